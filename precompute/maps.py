@@ -1,0 +1,236 @@
+"""A map: binaries that the shaders look up, and the sidecar that says what is in them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from scipy.ndimage import map_coordinates
+
+import precompute
+from precompute.axes import Axis
+from precompute.errors import InputError, unreadable
+from precompute.images import decode_png, encode_png
+from precompute.validation import first_failure
+
+FORMAT = "three-diffraction/map"
+VERSION = 1
+Kind = Literal["profile", "lobes", "metals", "foil"]
+
+
+class ArraySpec(BaseModel):
+    """One binary of a map.
+
+    Attributes:
+        file: Its name, beside the sidecar: ``.bin`` (little-endian, slowest axis first, channels
+            last) or ``.png`` (8-bit RGBA).
+        dtype: Type of a number in the file.
+        shape: Sizes of the axes, then the number of channels.
+        sha256: Checksum of the file.
+        axes: What each axis stands for.
+        channels: What each channel is.
+        decode: For 8-bit files, (offset, scale) of each channel: value = offset + scale·texel/255.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    file: str
+    dtype: Literal["float16", "float32", "uint8"]
+    shape: tuple[Annotated[int, Field(ge=1)], ...]
+    sha256: str
+    axes: tuple[Axis, ...]
+    channels: tuple[str, ...]
+    decode: tuple[tuple[float, float], ...] | None = None
+
+
+class Sidecar(BaseModel):
+    """What NAME.json says of a map; its fields are described in docs/map-format.md."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal["three-diffraction/map"] = FORMAT
+    version: Literal[1] = VERSION
+    kind: Kind
+    quantity: str
+    symbol: str
+    arrays: dict[str, ArraySpec]
+    constants: dict[str, float | tuple[float, ...]]
+    error: dict[str, float | str]
+    recipe: dict[str, Any]
+    generator: dict[str, str] = Field(
+        default_factory=lambda: {"name": "precompute", "version": precompute.__version__}
+    )
+
+
+@dataclass
+class Table:
+    """The numbers of one binary before they are written, or after they are read.
+
+    Attributes:
+        values: Shape of the axes, then channels; decoded, as numbers of the quantity itself.
+        axes: What each axis stands for.
+        channels: What each channel is.
+        dtype: How the numbers are stored.
+        decode: For ``uint8``: (offset, scale) of each channel.
+    """
+
+    values: NDArray[Any]
+    axes: tuple[Axis, ...]
+    channels: tuple[str, ...]
+    dtype: Literal["float16", "float32", "uint8"] = "float16"
+    decode: tuple[tuple[float, float], ...] | None = None
+
+    def sample(self, *parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Multilinear interpolation at parameters of each axis, as a texture unit does.
+
+        Args:
+            parameters: One array for each axis, all of one shape.
+
+        Returns:
+            That shape, then channels.
+        """
+        texels = [a.texel_from_parameter(p) for a, p in zip(self.axes, parameters, strict=True)]
+        coordinates = np.stack(np.broadcast_arrays(*texels))
+        return np.stack(
+            [
+                map_coordinates(self.values[..., c], coordinates, order=1, mode="nearest")
+                for c in range(self.values.shape[-1])
+            ],
+            axis=-1,
+        )
+
+
+@dataclass
+class Map:
+    """A map in memory: what `write` stores and `read` returns."""
+
+    kind: Kind
+    quantity: str
+    symbol: str
+    tables: dict[str, Table]
+    error: dict[str, float | str]
+    recipe: dict[str, Any]
+    constants: dict[str, float | tuple[float, ...]] = field(default_factory=dict)
+
+    def write(self, folder: Path, name: str) -> list[Path]:
+        """Write NAME.json and its binaries, each aside and then renamed, the sidecar last.
+
+        Args:
+            folder: Where; made if missing.
+            name: The map's name, without extension.
+
+        Returns:
+            The files written.
+
+        Raises:
+            InputError: A table holds numbers that its storage type cannot.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        files, arrays = [], {}
+        for key, table in self.tables.items():
+            suffix = "png" if table.dtype == "uint8" else "bin"
+            file = folder / f"{name}.{key}.{suffix}"
+            data = _encoded(table, file, key)
+            _replace(file, data)
+            files.append(file)
+            arrays[key] = ArraySpec(
+                file=file.name,
+                dtype=table.dtype,
+                shape=table.values.shape,
+                sha256=hashlib.sha256(data).hexdigest(),
+                axes=table.axes,
+                channels=table.channels,
+                decode=table.decode,
+            )
+        sidecar = Sidecar(
+            kind=self.kind,
+            quantity=self.quantity,
+            symbol=self.symbol,
+            arrays=arrays,
+            constants=self.constants,
+            error=self.error,
+            recipe=self.recipe,
+        )
+        text = json.dumps(sidecar.model_dump(exclude_none=True), indent=1)
+        file = folder / f"{name}.json"
+        _replace(file, text.encode() + b"\n")
+        return [*files, file]
+
+    @staticmethod
+    def read(file: Path) -> Map:
+        """Read a sidecar and its binaries.
+
+        Args:
+            file: The sidecar, with or without ``.json``.
+
+        Raises:
+            InputError: The sidecar is of another format or version or lacks a field, or a binary
+                is missing, truncated, of another checksum, or holds NaN or infinite texels.
+        """
+        file = file.with_name(file.name.removesuffix(".json") + ".json")
+        try:
+            sidecar = Sidecar.model_validate_json(file.read_bytes())
+        except OSError as failure:
+            raise unreadable(file, failure) from failure
+        except ValidationError as failure:
+            raise first_failure(file, failure) from failure
+        tables = {key: _read_table(file.parent / a.file, a) for key, a in sidecar.arrays.items()}
+        return Map(
+            kind=sidecar.kind,
+            quantity=sidecar.quantity,
+            symbol=sidecar.symbol,
+            tables=tables,
+            error=sidecar.error,
+            recipe=sidecar.recipe,
+            constants=sidecar.constants,
+        )
+
+
+def _encoded(table: Table, file: Path, key: str) -> bytes:
+    if table.dtype == "uint8":
+        offset, scale = np.array(table.decode).T
+        return encode_png(np.round((table.values - offset) / scale * 255).astype(np.uint8))
+    with np.errstate(over="ignore"):
+        stored = table.values.astype(np.dtype(table.dtype).newbyteorder("<"))
+    if not np.all(np.isfinite(stored)):
+        count = int(np.sum(~np.isfinite(stored)))
+        raise InputError(file, key, f"{count} NaN or infinite texels", f"finite {table.dtype}")
+    return stored.tobytes()
+
+
+def _read_table(file: Path, spec: ArraySpec) -> Table:
+    try:
+        data = file.read_bytes()
+    except OSError as failure:
+        raise unreadable(file, failure) from failure
+    expected = int(np.prod(spec.shape)) * np.dtype(spec.dtype).itemsize
+    if spec.dtype != "uint8" and len(data) != expected:
+        raise InputError(file, "size", len(data), f"{expected} bytes")
+    checksum = hashlib.sha256(data).hexdigest()
+    if checksum != spec.sha256:
+        raise InputError(file, "sha256", checksum, spec.sha256)
+    if spec.dtype == "uint8":
+        texels = decode_png(file, data)
+        if texels.shape != spec.shape:
+            raise InputError(file, "shape", texels.shape, f"{spec.shape}")
+        offset, scale = np.array(spec.decode).T
+        values = offset + scale * texels / 255.0
+    else:
+        values = np.frombuffer(data, np.dtype(spec.dtype).newbyteorder("<")).reshape(spec.shape)
+        values = values.astype(np.float64)
+    bad = int(np.sum(~np.isfinite(values)))
+    if bad:
+        raise InputError(file, "texels", f"{bad} NaN or infinite", "finite numbers")
+    return Table(values, spec.axes, spec.channels, spec.dtype, spec.decode)
+
+
+def _replace(file: Path, data: bytes) -> None:
+    aside = file.with_name(file.name + ".part")
+    aside.write_bytes(data)
+    aside.replace(file)

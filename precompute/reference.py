@@ -1,0 +1,332 @@
+"""The reference: diffraction by gratings evaluated directly, in float64, at every nanometre.
+
+No table, no closed form over wavelength, nothing that the shipped path computes. Directions are
+unit vectors (t, b, n) away from the surface, arrays of shape (..., 3). docs/theory.md derives the
+formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from precompute.gratings import Grating, Light
+from precompute.profiles import efficiency
+from precompute.spectra import (
+    WAVELENGTH_STEP,
+    WAVELENGTHS,
+    colour_weights,
+    metal_reflectance,
+    tint_basis,
+)
+
+Array = NDArray[np.float64]
+
+EXPONENT_CUT = 45.0
+"""A lobe is taken as zero where its exponent is below −45: e^−45 = 3e-20 of the peak."""
+
+Environment = Callable[[Array], Array]
+"""Linear sRGB radiance (..., 3) for directions (..., 3) in the grating's frame."""
+
+
+def propagating_orders(direction: Array, wavelength: ArrayLike, period: float) -> Array:
+    """The orders that leave the surface above the horizon: |−ω_xy + (mλ/a) t| < 1.
+
+    Args:
+        direction: ω_i (or ω_o: the relation is symmetric), shape (3,).
+        wavelength: λ, µm, scalar.
+        period: a, µm.
+
+    Returns:
+        m, rising, shape (orders,).
+
+    >>> propagating_orders(np.array([0.0, 0.0, 1.0]), 0.55, 1.66).tolist()
+    [-3, -2, -1, 0, 1, 2, 3]
+    """
+    λ = float(np.asarray(wavelength))
+    limit = int(np.ceil(2 * period / λ))
+    orders = np.arange(-limit, limit + 1)
+    tangential = -direction[0] + orders * λ / period
+    return orders[tangential**2 + direction[1] ** 2 < 1]
+
+
+def order_direction(direction: Array, order: ArrayLike, wavelength: ArrayLike, period: float) -> Array:
+    """Direction of order m for light from (or to) `direction`: the conical grating equation.
+
+    (ω_m)_xy = −ω_xy + (mλ/a) t.
+
+    Args:
+        direction: ω, shape (..., 3).
+        order: m, broadcast against the leading shape.
+        wavelength: λ, µm, likewise.
+        period: a, µm.
+
+    Returns:
+        Unit vectors, shape (..., 3); NaN where the order does not propagate.
+
+    >>> order_direction(np.array([0.0, -0.5, 0.866]), 1, 0.5, 1.0).round(3).tolist()
+    [0.5, 0.5, 0.707]
+    """
+    x = -direction[..., 0] + np.asarray(order) * np.asarray(wavelength) / period
+    y = np.broadcast_to(-direction[..., 1], x.shape)
+    z_squared = 1 - x**2 - y**2
+    z = np.sqrt(np.where(z_squared > 0, z_squared, np.nan))
+    return np.stack([x, y, z], axis=-1)
+
+
+def propagating_efficiency(grating: Grating, direction: Array, wavelength: ArrayLike) -> Array:
+    """N(ω, λ) = Σ η_j over the orders that propagate, each at its own phase depth.
+
+    Order j between ω and ω_j has φ_j = 2π (cosθ + cosθ_j) h0/λ.
+
+    Args:
+        grating: The grating.
+        direction: ω, shape (..., 3).
+        wavelength: λ, µm, broadcast against the leading shape.
+
+    Returns:
+        N, the leading shape; near 1 where few orders are cut off.
+    """
+    λ = np.asarray(wavelength, dtype=np.float64)
+    shape = np.broadcast_shapes(direction.shape[:-1], λ.shape)
+    total = np.zeros(shape)
+    if total.size == 0:
+        return total
+    limit = int(np.ceil(2 * grating.period / λ.min()))
+    for order in range(-limit, limit + 1):
+        other = order_direction(direction, order, λ, grating.period)[..., 2]
+        φ = 2 * np.pi * (direction[..., 2] + other) * grating.height / λ
+        total += np.where(
+            np.isnan(other), 0, efficiency(grating.profile, order, np.nan_to_num(φ))
+        )
+    return total
+
+
+def energy_factor(grating: Grating, wi: Array, wo: Array, wavelength: ArrayLike) -> Array:
+    """What multiplies R·η_m to make it the efficiency e_m.
+
+    - ``kirchhoff``: (1 + ω_i·ω_o)²/(cosθ_i cosθ_o w²), Stam's obliquity; unbounded at grazing.
+    - ``conserving``: 1/N(ω_o, λ): a white furnace returns R at every angle.
+    - ``reciprocal``: 1/max(N(ω_i, λ), N(ω_o, λ)): symmetric, never gains.
+
+    Args:
+        grating: The grating.
+        wi: ω_i, shape (..., 3), above the horizon.
+        wo: ω_o, likewise.
+        wavelength: λ, µm, broadcast against the leading shape.
+
+    Returns:
+        The broadcast leading shape.
+    """
+    if grating.energy == "kirchhoff":
+        w = wi[..., 2] + wo[..., 2]
+        cosine = np.sum(wi * wo, axis=-1)
+        factor = (1 + cosine) ** 2 / (wi[..., 2] * wo[..., 2] * w**2)
+        return np.broadcast_to(factor, np.broadcast_shapes(factor.shape, np.shape(wavelength)))
+    n = propagating_efficiency(grating, wo, wavelength)
+    if grating.energy == "reciprocal":
+        n = np.maximum(n, propagating_efficiency(grating, wi, wavelength))
+    return 1 / n
+
+
+def reflectance(grating: Grating, wavelength: ArrayLike) -> Array:
+    """R(λ) of the grating's metal, 1 for a perfect mirror."""
+    if grating.metal is None:
+        return np.ones_like(np.asarray(wavelength, dtype=np.float64))
+    return metal_reflectance(grating.metal, wavelength)
+
+
+def order_efficiency(grating: Grating, wi: Array, order: int, wavelength: float) -> tuple[float, float]:
+    """η_m and e_m of one propagating order for a plane wave from `wi`.
+
+    Args:
+        grating: The grating.
+        wi: ω_i, shape (3,).
+        order: m, propagating.
+        wavelength: λ, µm.
+
+    Returns:
+        The scalar efficiency η_m(φ), and e_m with the metal and the energy choice.
+    """
+    wo = order_direction(wi, order, wavelength, grating.period)
+    φ = 2 * np.pi * (wi[2] + wo[2]) * grating.height / wavelength
+    η = float(efficiency(grating.profile, order, φ))
+    factor = float(energy_factor(grating, wi, wo, wavelength))
+    return η, float(reflectance(grating, wavelength)) * factor * η
+
+
+def spectral_brdf(
+    grating: Grating,
+    wi: Array,
+    wo: Array,
+    wavelength: ArrayLike,
+    angular_radius: float = 0.0,
+) -> Array:
+    """f_r(ω_i, ω_o, λ) of a grating behind a Gaussian coherence window, 1/sr.
+
+    The complex amplitudes of all orders are added before they are squared, so that orders that
+    overlap interfere. In the plane of (u, v) the squared lobe is a Gaussian of covariance
+
+        C = λ²/(8π²σ²)·1 + (wδ)²·1 + α²(1 − ddᵀ),    d = (ω_i)_xy,
+
+    from the window, from normals tilted by δ (a tilt ε moves (u, v) by wε) and from a source of
+    standard deviation α, whose directions project onto the surface.
+
+    Args:
+        grating: The grating.
+        wi: ω_i, shape (n, 3).
+        wo: ω_o, shape (n, 3).
+        wavelength: λ, µm, shape (n,): one wavelength a row.
+        angular_radius: α, rad.
+
+    Returns:
+        Shape (n,); zero where either direction is below the horizon.
+    """
+    λ = np.asarray(wavelength, dtype=np.float64)
+    result = np.zeros(λ.shape)
+    above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
+    for chosen in _near_a_lobe(grating, wi, wo, λ, angular_radius, above):
+        lobes = _lobe_sum(grating, wi[chosen], wo[chosen], λ[chosen], angular_radius)
+        factor = energy_factor(grating, wi[chosen], wo[chosen], λ[chosen])
+        result[chosen] = reflectance(grating, λ[chosen]) * factor * lobes
+    return result
+
+
+def colour_brdf(grating: Grating, wi: Array, wo: Array, light: Light) -> Array:
+    """∫ S(λ) (x̄, ȳ, z̄)(λ) f_r(ω_i, ω_o, λ) dλ by 1 nm, S scaled so that a mirror has Y = 1.
+
+    Args:
+        grating: The grating.
+        wi: ω_i, shape (n, 3).
+        wo: ω_o, shape (n, 3).
+        light: The light; its tint multiplies its spectrum through `tint_basis`.
+
+    Returns:
+        XYZ, 1/sr, shape (n, 3).
+    """
+    spectrum = tint_basis() @ np.asarray(light.tint)
+    weights = spectrum[:, None] * colour_weights(light.observer, light.illuminant)
+    result = np.zeros((len(wi), 3))
+    for λ, weight in zip(WAVELENGTHS, weights, strict=True):
+        f = spectral_brdf(grating, wi, wo, np.full(len(wi), λ), light.angular_radius)
+        result += WAVELENGTH_STEP * f[:, None] * weight
+    return result
+
+
+def environment_radiance(
+    grating: Grating,
+    wo: Array,
+    environment: Environment,
+    light: Light,
+    wavelengths: Array = WAVELENGTHS,
+    tilts: int = 1,
+) -> Array:
+    """L_o = Σ_m ∫ S(λ) e_m(λ) L_env(ω_m(λ), λ) dλ, an arc of the environment per order.
+
+    The environment's RGB becomes a spectrum through `tint_basis`. Roughness moves (ω_m)_xy by
+    w δ times a standard normal pair, integrated on a grid of `tilts` × `tilts` nodes.
+
+    Args:
+        grating: The grating.
+        wo: ω_o, shape (n, 3), above the horizon.
+        environment: Radiance by direction in the grating's frame.
+        light: Illuminant of the environment and observer.
+        wavelengths: A subset of `WAVELENGTHS` at equal steps, µm.
+        tilts: Nodes per axis over ±3 standard deviations; 1 for a flat grating.
+
+    Returns:
+        XYZ radiance, shape (n, 3).
+    """
+    weights = colour_weights(light.observer, light.illuminant)
+    indices = np.searchsorted(WAVELENGTHS, wavelengths - WAVELENGTH_STEP / 2)
+    step = WAVELENGTH_STEP * len(WAVELENGTHS) / len(wavelengths)
+    offsets, shares = _tilt_nodes(tilts if grating.roughness > 0 else 1)
+    basis = tint_basis()
+    result = np.zeros((len(wo), 3))
+    for index in indices:
+        λ = WAVELENGTHS[index]
+        rgb = np.zeros((len(wo), 3))
+        limit = int(np.ceil(2 * grating.period / λ))
+        for order in range(-limit, limit + 1):
+            wi = order_direction(wo, order, λ, grating.period)
+            open_ = ~np.isnan(wi[:, 2])
+            if not open_.any():
+                continue
+            wi, w_o = wi[open_], wo[open_]
+            w = wi[:, 2] + w_o[:, 2]
+            η = efficiency(grating.profile, order, 2 * np.pi * w * grating.height / λ)
+            seen = np.zeros_like(wi)
+            for offset, share in zip(offsets, shares, strict=True):
+                seen += share * environment(_moved(wi, w[:, None] * grating.roughness * offset))
+            e = reflectance(grating, λ) * energy_factor(grating, wi, w_o, λ) * η
+            rgb[open_] += e[:, None] * seen
+        result += step * (rgb @ basis[index])[:, None] * weights[index]
+    return result
+
+
+def _near_a_lobe(
+    grating: Grating, wi: Array, wo: Array, λ: Array, angular_radius: float, above: NDArray[np.bool_]
+) -> list[NDArray[np.intp]]:
+    """Rows whose |v| is within a lobe's reach, in pieces that keep memory small."""
+    v = wi[:, 1] + wo[:, 1]
+    w = wi[:, 2] + wo[:, 2]
+    variance = _window_variance(grating, λ) + (w * grating.roughness) ** 2 + angular_radius**2
+    rows = np.flatnonzero(above & (v**2 < 2 * EXPONENT_CUT * variance))
+    return [rows[i : i + 65536] for i in range(0, len(rows), 65536)]
+
+
+def _window_variance(grating: Grating, λ: Array) -> Array:
+    return λ**2 / (8 * np.pi**2 * grating.coherence**2)
+
+
+def _lobe_sum(grating: Grating, wi: Array, wo: Array, λ: Array, angular_radius: float) -> Array:
+    """Σ_{m,m'} c_m c̄_m' exp(−π²σ²(m−m')²/a²) N((u, v) − ((m+m')/2·λ/a, 0); C)."""
+    u, v, w = (wi + wo).T
+    d = wi[:, :2]
+    blur = _window_variance(grating, λ) + (w * grating.roughness) ** 2
+    c_uu = blur + angular_radius**2 * (1 - d[:, 0] ** 2)
+    c_vv = blur + angular_radius**2 * (1 - d[:, 1] ** 2)
+    c_uv = -(angular_radius**2) * d[:, 0] * d[:, 1]
+    determinant = c_uu * c_vv - c_uv**2
+    φ = 2 * np.pi * w * grating.height / λ
+
+    limit = int(np.ceil(2 * grating.period / λ.min())) + 1
+    overlap = (np.pi * grating.coherence / grating.period) ** 2
+    apart = min(2 * limit, int(np.sqrt(EXPONENT_CUT / overlap)))
+    total = np.zeros(λ.shape)
+    for middle in range(-2 * limit, 2 * limit + 1):  # m + m', twice the lobe's middle
+        du = u - middle / 2 * λ / grating.period
+        exponent = (c_vv * du**2 - 2 * c_uv * du * v + c_uu * v**2) / (2 * determinant)
+        near = np.flatnonzero(exponent < EXPONENT_CUT)
+        if len(near) == 0:
+            continue
+        gaussian = np.exp(-exponent[near]) / (2 * np.pi * np.sqrt(determinant[near]))
+        for difference in range(middle % 2, apart + 1, 2):
+            m, n = (middle + difference) // 2, (middle - difference) // 2
+            c_m = grating.profile.amplitude(m, φ[near])
+            c_n = c_m if m == n else grating.profile.amplitude(n, φ[near])
+            pairs = 1 if m == n else 2
+            weight = pairs * np.exp(-overlap * difference**2)
+            total[near] += weight * np.real(c_m * np.conj(c_n)) * gaussian
+    return total
+
+
+def _tilt_nodes(count: int) -> tuple[Array, Array]:
+    """Nodes (count², 2) in standard deviations, and shares that sum to 1, of a 2-D normal."""
+    if count == 1:
+        return np.zeros((1, 2)), np.ones(1)
+    x = np.linspace(-3, 3, count)
+    nodes = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
+    shares = np.exp(-np.sum(nodes**2, axis=-1) / 2)
+    return nodes, shares / shares.sum()
+
+
+def _moved(direction: Array, offset: Array) -> Array:
+    """The direction with `offset` added to its tangential part, held at the horizon."""
+    xy = direction[:, :2] + offset
+    length = np.linalg.norm(xy, axis=-1, keepdims=True)
+    xy = xy / np.maximum(length, 1)
+    z = np.sqrt(np.maximum(0, 1 - np.sum(xy**2, axis=-1)))
+    return np.concatenate([xy, z[:, None]], axis=-1)
