@@ -60,7 +60,7 @@ class Axis(BaseModel):
                 self.last / self.first
             )
         else:
-            x = (p - self.first) / (self.last - self.first)
+            x = (p - self.first) / ((self.last - self.first) or 1)
             x = np.sqrt(np.maximum(x, 0)) if self.mapping == "square" else x
         return np.clip(x, 0, 1) * (self.size - 1)
 

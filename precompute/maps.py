@@ -157,7 +157,7 @@ class Map:
             error=self.error,
             recipe=self.recipe,
         )
-        text = json.dumps(sidecar.model_dump(exclude_none=True), indent=1)
+        text = json.dumps(sidecar.model_dump(exclude_none=True), indent=1, allow_nan=False)
         file = folder / f"{name}.json"
         _replace(file, text.encode() + b"\n")
         return [*files, file]

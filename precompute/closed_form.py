@@ -1,0 +1,204 @@
+"""The shipped method in numpy: what shaders/grating.glsl computes, from the same tables.
+
+For asking the method directly, without a browser, and for finding where it departs from the
+reference. It shares the tables with the shaders and nothing with `precompute.reference`.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from precompute.efficiencies import profile_map
+from precompute.errors import InputError
+from precompute.gratings import Grating, Light
+from precompute.lobes import (
+    WAVENUMBER_MAX,
+    WAVENUMBER_MIN,
+    WIDTH_MAX,
+    WIDTH_MIN,
+    lobe_position,
+    lobes_map,
+)
+from precompute.maps import Table
+from precompute.recipes import LobesRecipe, ProfileRecipe
+from precompute.spectra import metal_reflectance
+
+Array = NDArray[np.float64]
+
+EXPONENT_CUT = 14.0
+WIDE_LOBE_NODES = 28
+
+
+@dataclass(frozen=True)
+class _Node:
+    wavelength: float  # µm
+    bandwidth: float  # µm
+    xyz: Array
+
+
+class ClosedForm:
+    """Point and directional light on a grating, in closed form over wavelength.
+
+    Args:
+        grating: The grating.
+        light: The light.
+
+    Raises:
+        InputError: The relief is higher than its profile's table covers, or the light is unknown.
+    """
+
+    def __init__(self, grating: Grating, light: Light) -> None:
+        self.grating = grating
+        self.light = light
+        recipe = ProfileRecipe(kind="profile", profile=grating.profile)
+        highest = recipe.max_phase * WAVENUMBER_MAX**-1 / (4 * np.pi)
+        if grating.height > highest:
+            raise InputError("grating", "height", grating.height, f"at most {highest:.4f} um")
+        self.efficiencies = profile_map(recipe).tables["efficiency"]
+        lobes = lobes_map(
+            LobesRecipe(kind="lobes", illuminant=light.illuminant, observer=light.observer), Path()
+        )
+        self.lobe = lobes.tables["lobe"]
+        self.nodes = _nodes(lobes.tables["weights"], np.asarray(light.tint))
+        self.max_order = min(recipe.max_order, int(2 * grating.period * WAVENUMBER_MAX))
+        self.window = 1 / (8 * np.pi**2 * grating.coherence**2)
+
+    def colour_brdf(self, wi: Array, wo: Array) -> Array:
+        """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3)."""
+        u, v, w = (wi + wo).T
+        α = self.light.angular_radius
+        tilt = (w * self.grating.roughness) ** 2
+        blur = np.stack(
+            [
+                tilt + α**2 * (1 - wi[:, 0] ** 2),
+                tilt + α**2 * (1 - wi[:, 1] ** 2),
+                -(α**2) * wi[:, 0] * wi[:, 1],
+            ]
+        )
+        widest = np.maximum(blur[0], blur[1]) + np.abs(blur[2])
+        spread = np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
+        above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
+        near = above & (v**2 <= 2 * EXPONENT_CUT * (self.window / WAVENUMBER_MIN**2 + blur[1]))
+        wide = spread > WIDTH_MAX * np.hypot(u, v)
+        result = np.zeros((len(wi), 3))
+        rows = np.flatnonzero(near & ~wide)
+        for m in range(-self.max_order, self.max_order + 1):
+            if m != 0:
+                result[rows] += self._narrow(m, wi[rows], wo[rows], blur[:, rows])
+        rows = np.flatnonzero(near & wide)
+        for node in self.nodes:
+            seen = self._at_node(node, wi[rows], wo[rows], blur[:, rows])
+            result[rows] += node.xyz * seen[:, None]
+        return result
+
+    def _narrow(self, m: int, wi: Array, wo: Array, blur: Array) -> Array:
+        u, v, w = (wi + wo).T
+        g = m / self.grating.period
+        s = np.clip(g * u / (u**2 + v**2), WAVENUMBER_MIN, WAVENUMBER_MAX)
+        c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * blur
+        determinant = c_uu * c_vv - c_uv**2
+        adjugate = c_vv * u**2 - 2 * c_uv * u * v + c_uu * v**2
+        q = np.sqrt(determinant / adjugate)
+        middle = g * (c_vv * u - c_uv * v) / adjugate
+        exponent = 0.5 * g**2 * v**2 / adjugate
+        density = q * np.exp(-exponent) / np.sqrt(2 * np.pi * determinant)
+        position = lobe_position(middle, q)
+        seen = (position >= 0) & (position <= 1) & (exponent <= EXPONENT_CUT)
+        xyz, mean = self._lobe_colour(position, np.clip(q, WIDTH_MIN, WIDTH_MAX))
+        scale = np.where(seen, density, 0) * self._efficiency(m, w, mean)
+        scale *= self._reflectance(mean) * self._energy_factor(wi, wo, mean, q)
+        return scale[:, None] * xyz
+
+    def _at_node(self, node: _Node, wi: Array, wo: Array, blur: Array) -> Array:
+        u, v, w = (wi + wo).T
+        s = np.full(len(u), 1 / node.wavelength)
+        width = s**2 * node.bandwidth / np.sqrt(12)
+        c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * blur
+        determinant = c_uu * c_vv - c_uv**2
+        total = np.zeros(len(u))
+        for m in range(-self.max_order, self.max_order + 1):
+            du, dv = s * u - m / self.grating.period, s * v
+            exponent = (c_vv * du**2 - 2 * c_uv * du * dv + c_uu * dv**2) / (2 * determinant)
+            total += np.exp(-exponent) * self._efficiency(m, w, s)
+        density = s**2 * total / (2 * np.pi * np.sqrt(determinant))
+        return density * self._reflectance(s) * self._energy_factor(wi, wo, s, width)
+
+    def _lobe_colour(self, position: Array, width: Array) -> tuple[Array, Array]:
+        layers = [
+            self.lobe.sample(np.full(len(width), float(i)), width, position) for i in range(3)
+        ]
+        white, red, green = (layer[:, :3] for layer in layers)
+        moments = [layer[:, 3] * layer[:, :3].sum(axis=1) for layer in layers]
+        tint = self.light.tint
+        colours = (red, green, white - red - green)
+        moment = (
+            tint[0] * moments[1] + tint[1] * moments[2]
+            + tint[2] * (moments[0] - moments[1] - moments[2])
+        )  # fmt: skip
+        xyz = sum(t * c for t, c in zip(tint, colours, strict=True))
+        energy = np.asarray(xyz).sum(axis=1)
+        lit = energy > 1e-3
+        mean = np.where(lit, moment / np.where(lit, energy, 1), layers[0][:, 3])
+        return np.asarray(xyz), np.clip(mean, WAVENUMBER_MIN, WAVENUMBER_MAX)
+
+    def _efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:
+        φ = 2 * np.pi * w * self.grating.height * wavenumber
+        return self.efficiencies.sample(np.full(φ.shape, float(m)), φ)[..., 0]
+
+    def _reflectance(self, wavenumber: Array) -> Array:
+        if self.grating.metal is None:
+            return np.ones_like(wavenumber)
+        return metal_reflectance(self.grating.metal, 1 / wavenumber)
+
+    def _energy_factor(self, wi: Array, wo: Array, wavenumber: Array, width: Array) -> Array:
+        if self.grating.energy == "kirchhoff":
+            w = wi[:, 2] + wo[:, 2]
+            return (1 + np.sum(wi * wo, axis=1)) ** 2 / np.maximum(wi[:, 2] * wo[:, 2] * w**2, 1e-6)
+        factor = self._mean_reciprocal(wo, wavenumber, width)
+        if self.grating.energy == "reciprocal":
+            factor = np.minimum(factor, self._mean_reciprocal(wi, wavenumber, width))
+        return factor
+
+    def _mean_reciprocal(self, direction: Array, wavenumber: Array, width: Array) -> Array:
+        """The mean of 1/N(ω, s) over a lobe: N steps where an order begins to propagate.
+
+        Order j propagates where s > |j|/a/(√(1 − ω_y²) + sgn(j) ω_x). The order nearest to its
+        step counts for the share of the lobe beyond it.
+        """
+        full = np.zeros(len(direction))
+        partial, share = np.zeros(len(direction)), np.zeros(len(direction))
+        reach = np.sqrt(1 - direction[:, 1] ** 2)
+        for m in range(-self.max_order, self.max_order + 1):
+            step = abs(m) / self.grating.period / (reach + np.sign(m) * direction[:, 0])
+            beyond = ndtr((wavenumber - step) / width)
+            x = m / (self.grating.period * wavenumber) - direction[:, 0]
+            cosine = np.sqrt(np.maximum(1 - x**2 - direction[:, 1] ** 2, 0))
+            η = np.where(beyond > 0, self._efficiency(m, direction[:, 2] + cosine, wavenumber), 0)
+            split = (beyond > 1e-3) & (beyond < 1 - 1e-3)
+            full += np.where(beyond >= 1 - 1e-3, η, 0)
+            partial, share = np.where(split, η, partial), np.where(split, beyond, share)
+        return share / np.maximum(full + partial, 1e-4) + (1 - share) / np.maximum(full, 1e-4)
+
+
+def _nodes(weights: Table, tint: Array) -> list[_Node]:
+    """Bands placed as web/spectrum/spectral-nodes.ts places them."""
+    (edges,) = weights.axes
+    λ = edges.parameters()
+    energy = weights.values.sum(axis=1)
+    share = 0.5 * energy / energy[-1] + 0.5 * np.linspace(0, 1, len(λ))
+    ends = np.interp(np.linspace(0, 1, WIDE_LOBE_NODES + 1), share, λ)
+    nodes = []
+    for low, high in itertools.pairwise(ends):
+        at = [np.interp([low, high], λ, column) for column in weights.values.T]
+        xyz = np.diff(at, axis=1).reshape(3, 3).T @ tint
+        fine = np.linspace(low, high, 65)
+        cumulative = np.interp(fine, λ, energy)
+        middle = np.average((fine[1:] + fine[:-1]) / 2, weights=np.diff(cumulative) + 1e-15)
+        nodes.append(_Node(float(middle), float(high - low), xyz))
+    return nodes

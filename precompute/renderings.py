@@ -1,0 +1,203 @@
+"""What the browser rendered, and what the reference says of the same pixels."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from precompute.errors import unreadable
+from precompute.gratings import Grating, Light
+from precompute.maps import Map
+from precompute.profiles import Profile
+from precompute.recipes import ProfileRecipe
+from precompute.reference import colour_brdf, environment_radiance
+from precompute.spectra import WAVELENGTHS, xyz_to_linear_srgb
+
+Array = NDArray[np.float64]
+
+LAYERS = ("position", "normal", "tangent", "grating", "uv")
+
+
+@dataclass
+class Rendering:
+    """One scene as `tests/browser/render.mjs` wrote it.
+
+    Attributes:
+        scene: The scene's description (tests/scenes/README.md).
+        view: Camera and lights in view space.
+        radiance: Linear sRGB, signed, shape (height, width, 3).
+        covered: Where the surface is, shape (height, width).
+        layers: Geometry by name, view space, shape (height, width, 4).
+        environment: Texels of the equirectangular environment, first row at the bottom, or None.
+        backend: What rendered it.
+    """
+
+    scene: dict[str, Any]
+    view: dict[str, Any]
+    radiance: Array
+    covered: NDArray[np.bool_]
+    layers: dict[str, Array]
+    environment: Array | None
+    backend: str
+
+    @staticmethod
+    def read(folder: Path, name: str) -> Rendering:
+        """Read NAME.json and the arrays beside it.
+
+        Raises:
+            InputError: A file is missing or cannot be read.
+        """
+        file = folder / f"{name}.json"
+        try:
+            description = json.loads(file.read_text("utf-8"))
+            shape = (description["height"], description["width"], 4)
+            radiance = np.fromfile(folder / f"{name}.radiance.f32", np.float32).reshape(shape)
+            geometry = np.fromfile(folder / f"{name}.geometry.f32", np.float32)
+            layers = geometry.reshape(len(LAYERS), *shape).astype(np.float64)
+            environment = None
+            if description["environment"] is not None:
+                size = (description["environment"]["height"], description["environment"]["width"])
+                texels = np.fromfile(folder / f"{name}.environment.f32", np.float32)
+                environment = np.maximum(texels.reshape(*size, 4)[..., :3].astype(np.float64), 0)
+        except (OSError, ValueError, KeyError) as failure:
+            raise unreadable(file, failure) from failure
+        return Rendering(
+            scene=description["scene"],
+            view=description["view"],
+            radiance=radiance[..., :3].astype(np.float64),
+            covered=layers[0][..., 3] > 0.5,
+            layers=dict(zip(LAYERS, layers, strict=True)),
+            environment=environment,
+            backend=description["backend"],
+        )
+
+    @property
+    def material(self) -> dict[str, Any]:
+        """The material's options as the scene states them."""
+        return self.scene.get("material", {})
+
+    @property
+    def light(self) -> Light:
+        """Illuminant and observer of the scene."""
+        names = {k: v for k, v in self.material.items() if k in ("illuminant", "observer")}
+        return Light.model_validate(names)
+
+    def xyz(self) -> Array:
+        """The rendered radiance as XYZ, covered pixels only, shape (n, 3)."""
+        matrix = xyz_to_linear_srgb(self.light.observer, self.light.illuminant)
+        return self.radiance[self.covered] @ np.linalg.inv(matrix).T
+
+
+def reference_xyz(rendering: Rendering, maps: Path, stride: int = 1) -> Array:
+    """The reference's radiance at the pixels the browser covered, strength applied.
+
+    Args:
+        rendering: Geometry, lights and environment.
+        maps: Folder of the baked maps; only their recipes are read.
+        stride: Keeps every so-many-th covered pixel.
+
+    Returns:
+        XYZ, shape (covered pixels / stride, 3).
+    """
+    layers = {k: v[rendering.covered][::stride] for k, v in rendering.layers.items()}
+    n, t = layers["normal"][:, :3], layers["grating"][:, :3]
+    frame = np.stack([t, np.cross(n, t), n], axis=1)
+    frame /= np.linalg.norm(frame, axis=2, keepdims=True)
+    position = layers["position"][:, :3]
+    wo = _local(frame, -position / np.linalg.norm(position, axis=1, keepdims=True))
+    profile, height = _relief(rendering, maps)
+    keys = ("metal", "coherence", "roughness", "energy")
+    options = {k: v for k, v in rendering.material.items() if k in keys}
+    result = np.zeros((len(n), 3))
+    frequencies = layers["tangent"][:, 3]
+    for frequency in np.unique(frequencies):
+        if frequency <= 0:
+            continue
+        rows = frequencies == frequency
+        grating = Grating(period=1 / frequency, height=height, profile=profile, **options)
+        for light in rendering.view["lights"]:
+            result[rows] += _lit_by(
+                light, grating, rendering, position[rows], frame[rows], wo[rows]
+            )
+        if rendering.environment is not None:
+            result[rows] += _lit_by_environment(rendering, grating, frame[rows], wo[rows])
+    return layers["normal"][:, 3:] * result
+
+
+def _relief(rendering: Rendering, maps: Path) -> tuple[Profile, float]:
+    surface = rendering.scene["surface"]
+    if surface["kind"] == "foil":
+        foil = Map.read(maps / Path(surface["map"]).name)
+        name, height = foil.recipe["profile"], foil.constants["height_um"]
+        height = surface.get("height", height)
+    else:
+        name, height = surface.get("profile", "sinusoidal"), surface["height"]
+    recipe = ProfileRecipe.model_validate(Map.read(maps / f"profile-{name}").recipe)
+    return recipe.profile, float(height)
+
+
+def _local(frame: Array, direction: Array) -> Array:
+    return np.einsum("nij,nj->ni", frame, direction)
+
+
+def _lit_by(
+    light: dict[str, Any],
+    grating: Grating,
+    rendering: Rendering,
+    position: Array,
+    frame: Array,
+    wo: Array,
+) -> Array:
+    colour = np.asarray(light["color"], dtype=np.float64)
+    if light["kind"] == "directional":
+        towards = np.broadcast_to(np.asarray(light["direction"]), position.shape)
+        distance = np.ones((len(position), 1))
+    elif light["kind"] == "point":
+        towards = np.asarray(light["position"]) - position
+        distance = np.linalg.norm(towards, axis=1, keepdims=True)
+        towards = towards / distance
+    else:
+        raise ValueError(f"the reference has no light of kind {light['kind']}")
+    wi = _local(frame, towards)
+    radius = light["angularRadius"] or rendering.material.get("lightAngularRadius", 0.0)
+    source = rendering.light.model_copy(
+        update={"angular_radius": radius, "tint": tuple(colour.tolist())}
+    )
+    irradiance = np.maximum(wi[:, 2:], 0) / distance**2
+    return irradiance * colour_brdf(grating, wi, wo, source)
+
+
+def _lit_by_environment(
+    rendering: Rendering, grating: Grating, frame: Array, wo: Array
+) -> Array:
+    texels = rendering.environment
+    assert texels is not None
+    to_world = np.array(rendering.view["viewMatrix"]).reshape(4, 4)[:3, :3]  # columns first: Vᵀ
+    intensity = rendering.view["environmentIntensity"]
+    result = np.zeros((len(wo), 3))
+    for start in range(0, len(wo), 512):
+        part = slice(start, start + 512)
+        rows = np.flatnonzero(wo[part, 2] > 0) + start
+        result[rows] = environment_radiance(
+            grating,
+            wo[rows],
+            _Equirectangular(texels, to_world, intensity, frame[rows]),
+            rendering.light,
+            WAVELENGTHS,
+            tilts=9,
+        )
+    return result
+
+
+class _Equirectangular:
+    """Bilinear lookups in an environment by directions of many frames, as WebGL makes them."""
+
+    def __init__(self, texels: Array, to_world: Array, intensity: float, frame: Array) -> None:
+        self.texels = texels
+        self.intensity = intensity
+        self.frame = frame @ to_world.T

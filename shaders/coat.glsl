@@ -1,0 +1,58 @@
+// A clear lacquer over the surface: dielectric, thin, without absorption.
+#ifdef COAT
+
+uniform float uCoat;           // share of the surface it covers, 0 to 1
+uniform float uCoatIor;        // refractive index, above 1
+uniform float uCoatRoughness;  // three's roughness: its square is the slope parameter alpha of GGX
+
+// Reflectance of a smooth dielectric for unpolarised light, the exact Fresnel equations.
+// cosTheta: cosine of the angle to the normal outside, 0 to 1; ior: index inside over outside, above 1.
+float fresnelDielectric(float cosTheta, float ior) {
+	// Snell: ior² cos²θt = ior² − sin²θi, above zero for ior > 1.
+	float iorCosT = sqrt(ior * ior - 1.0 + cosTheta * cosTheta);
+	float s = (cosTheta - iorCosT) / (cosTheta + iorCosT);
+	float ior2CosI = ior * ior * cosTheta;
+	float p = (ior2CosI - iorCosT) / (ior2CosI + iorCosT);
+	return 0.5 * (s * s + p * p);
+}
+
+// Share of light that passes the lacquer once, in or out; what is not covered passes whole.
+float coatTransmittance(float cosTheta) {
+	return 1.0 - uCoat * fresnelDielectric(clamp(cosTheta, 0.0, 1.0), uCoatIor);
+}
+
+// Radiance (linear sRGB) that the lacquer throws from one light to the viewer. wi, wo, normal: unit vectors.
+// GGX with the height-correlated Smith term (Heitz 2014). The light's disc widens the lobe: half vectors spread by half
+// its radius. Below alpha = 0.0025 a highlight is smaller than a pixel and its peak, 1/(π alpha²), nears the largest
+// half float, 65504.
+vec3 coatRadianceFromLight(vec3 normal, vec3 wi, vec3 wo, LightSpectrum light) {
+	float cosI = dot(normal, wi);
+	float cosO = dot(normal, wo);
+	if (cosI <= 0.0 || cosO <= 0.0) return vec3(0.0);
+	vec3 h = normalize(wi + wo);
+	float cosH = clamp(dot(normal, h), 0.0, 1.0);
+	float alpha = uCoatRoughness * uCoatRoughness;
+	float a2 = max(alpha * alpha + 0.25 * light.angularRadius * light.angularRadius, 6.25e-6);
+	// 1 − cos²(1 − a²) = sin² + a² cos², with sin² from a cross product: the difference of two numbers near 1
+	// would cost a sharp highlight its digits.
+	vec3 nxh = cross(normal, h);
+	float denominator = dot(nxh, nxh) + a2 * cosH * cosH;
+	float distribution = a2 / (PI * denominator * denominator);
+	float smithI = cosO * sqrt(a2 + (1.0 - a2) * cosI * cosI);
+	float smithO = cosI * sqrt(a2 + (1.0 - a2) * cosO * cosO);
+	float visibility = 0.5 / (smithI + smithO);
+	float fresnel = fresnelDielectric(clamp(dot(wi, h), 0.0, 1.0), uCoatIor);
+	return light.color * (uCoat * fresnel * distribution * visibility * cosI);
+}
+
+#ifdef ENVIRONMENT
+// Radiance (linear sRGB) of the environment in the lacquer: one look in the mirror direction, blurred over the lobe's
+// full width at half maximum. GGX halves at tanθh = 0.64 alpha, a reflection turns by twice that, to both sides: 2.57 alpha.
+vec3 coatRadianceFromEnvironment(vec3 normal, vec3 wo) {
+	float cosO = clamp(dot(normal, wo), 0.0, 1.0);
+	float footprint = 2.57 * uCoatRoughness * uCoatRoughness;
+	return uCoat * fresnelDielectric(cosO, uCoatIor) * environmentRadiance(reflect(-wo, normal), footprint);
+}
+#endif // ENVIRONMENT
+
+#endif // COAT

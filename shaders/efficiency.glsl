@@ -1,0 +1,27 @@
+// The one place that knows how much light an order takes: a profile is data here, never a branch.
+
+uniform highp sampler2D uEfficiencyTable;  // eta_m(phi): phase along x (squared), order along y
+uniform float uGratingHeight;              // h0, µm
+
+// η_m(φ), the scalar efficiency of order m, whose lobe lies at u = mλ/a. phase: φ = 2π w h0/λ, rad, ≥ 0, held within
+// the table (the material refuses heights that exceed it).
+float orderEfficiency(int order, float phase) {
+	#ifdef EFFICIENCY_TAYLOR
+	// Second-order Taylor coefficients of a sinusoid (2018 holographic-surface paper, Eq. 2): small heights only.
+	float b2 = 0.25 * phase * phase;
+	int m = abs(order);
+	if (m == 0) return (1.0 - 0.75 * b2) * (1.0 - 0.75 * b2) + b2;
+	if (m == 1) return 0.25 * (b2 + b2 * b2);
+	return m == 2 ? b2 * b2 / 64.0 : 0.0;
+	#else
+	float x = sqrt(min(phase / PHASE_MAX, 1.0));
+	vec2 texels = vec2(EFFICIENCY_PHASES, float(2 * TABLE_ORDER + 1));
+	vec2 texel = vec2(x * (texels.x - 1.0), float(order + TABLE_ORDER));
+	return textureLod(uEfficiencyTable, (texel + 0.5) / texels, 0.0).r;
+	#endif // EFFICIENCY_TAYLOR
+}
+
+// φ = 2π w h0 s. w: sum of the cosines of both directions; wavenumber: s, 1/µm.
+float reliefPhase(float w, float wavenumber) {
+	return 2.0 * PI * w * uGratingHeight * wavenumber;
+}

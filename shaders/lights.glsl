@@ -1,0 +1,66 @@
+// Between three's loop over lights and the surface: three calls RE_Direct once a light, with shadows and distance
+// already in the light's colour, and RE_IndirectDiffuse once.
+
+struct LitSurface {
+	SurfacePoint point;
+	vec3 baseColor;     // albedo of the matt base, linear sRGB
+	vec3 coatNormal;    // the lacquer's normal: smooth, whatever a normal map does below it
+};
+
+#define LIGHT_COUNT (NUM_POINT_LIGHTS + NUM_SPOT_LIGHTS + NUM_SUN_LIGHTS + NUM_DIR_LIGHTS)
+#if LIGHT_COUNT > 0
+uniform float uLightAngularRadii[LIGHT_COUNT];  // rad, in the order of three's loop: point, spot, sun, directional
+#endif // LIGHT_COUNT
+
+// Sums over lights and environment.
+vec3 diffractedXyz = vec3(0.0);  // signed: gamut mapping comes once, at the end
+vec3 baseRgb = vec3(0.0);
+vec3 coatRgb = vec3(0.0);
+int lightIndex = 0;
+
+#if LIGHT_COUNT > 0
+void addLight(IncidentLight light, vec3 wo, LitSurface surface) {
+	LightSpectrum spectrum = LightSpectrum(light.color, uLightAngularRadii[lightIndex]);
+	lightIndex++;
+	if (!light.visible) return;
+	vec3 wi = light.direction;
+	float through = 1.0;
+	#ifdef COAT
+	through = coatTransmittance(dot(surface.coatNormal, wi)) * coatTransmittance(dot(surface.coatNormal, wo));
+	coatRgb += coatRadianceFromLight(surface.coatNormal, wi, wo, spectrum);
+	#endif // COAT
+	#ifdef DIFFRACTION
+	diffractedXyz += through * surfaceRadianceFromLight(surface.point, wi, wo, spectrum);
+	#endif // DIFFRACTION
+	#ifdef BASE
+	float cosI = max(dot(surface.point.normal, wi), 0.0);
+	baseRgb += through * cosI * light.color * BRDF_Lambert(surface.baseColor);
+	#endif // BASE
+}
+#endif // LIGHT_COUNT
+
+// Light from all sides. The way in has no one angle: the lacquer takes its share as on the way out, (1 − F(ω_o))².
+void addIndirect(vec3 irradiance, vec3 wo, LitSurface surface) {
+	float through = 1.0;
+	#ifdef COAT
+	through = coatTransmittance(dot(surface.coatNormal, wo));
+	through *= through;
+	#endif // COAT
+	#ifdef ENVIRONMENT
+	#ifdef COAT
+	coatRgb += coatRadianceFromEnvironment(surface.coatNormal, wo);
+	#endif // COAT
+	#ifdef DIFFRACTION
+	diffractedXyz += through * surfaceRadianceFromEnvironment(surface.point, wo);
+	#endif // DIFFRACTION
+	#endif // ENVIRONMENT
+	#ifdef BASE
+	#ifdef ENVIRONMENT
+	irradiance += environmentIrradiance(surface.point.normal);
+	#endif // ENVIRONMENT
+	baseRgb += through * irradiance * BRDF_Lambert(surface.baseColor);
+	#endif // BASE
+}
+
+#define RE_Direct(light, position, normal, wo, coatNormal, surface, sums) addLight(light, wo, surface)
+#define RE_IndirectDiffuse(irradiance, position, normal, wo, coatNormal, surface, sums) addIndirect(irradiance, wo, surface)

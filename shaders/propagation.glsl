@@ -1,0 +1,68 @@
+// Which orders leave the surface, and how their efficiencies are normalised (docs/theory.md, section 2).
+// Directions are in the grating's frame: x across the grooves, y along them, z the normal.
+#include "efficiency.glsl"
+
+// First and last order m with |−ω_xy + m·shift·x̂| < 1, within the orders that the surface shows.
+// direction: ω, unit; shift: λ/a.
+ivec2 propagatingOrders(vec3 direction, float shift) {
+	float reach = sqrt(max(1.0 - direction.y * direction.y, 0.0));
+	vec2 range = vec2(direction.x - reach, direction.x + reach) / shift;
+	// clamp before the conversion: an integer of a huge float is undefined.
+	range = clamp(vec2(ceil(range.x), floor(range.y)), -float(MAX_ORDER), float(MAX_ORDER));
+	return ivec2(range);
+}
+
+// cosθ of order m, 0 where it does not propagate.
+float orderCosine(vec3 direction, float offset) {
+	float x = offset - direction.x;
+	return sqrt(max(1.0 - x * x - direction.y * direction.y, 0.0));
+}
+
+// Share of a standard normal below x. Logistic with a cubic term, within 1.5e-4 of the error function.
+float normalShare(float x) {
+	return 1.0 / (1.0 + exp(-x * (1.5976 + 0.070566 * x * x)));
+}
+
+// The mean of 1/N(ω, s) over a lobe, N = Σ η_j over the orders that propagate, each at its own phase depth.
+// Order j begins to propagate at s = |j|/a / (√(1 − ω_y²) + sgn(j) ω_x), where N steps; the order at whose step the lobe
+// lies counts for the share of the lobe beyond it. direction: ω; wavenumber, width: mean and standard deviation of
+// the lobe, 1/µm; frequency: 1/a, 1/µm.
+float reciprocalEfficiency(vec3 direction, float wavenumber, float width, float frequency) {
+	float reach = sqrt(max(1.0 - direction.y * direction.y, 0.0));
+	float shift = frequency / wavenumber;
+	ivec2 orders = propagatingOrders(direction, frequency / (wavenumber + 3.0 * width));
+	float full = 0.0, partial = 0.0, share = 0.0;
+	for (int m = orders.x; m <= orders.y; m++) {
+		float step = frequency * abs(float(m)) / max(reach + sign(float(m)) * direction.x, 1e-6);
+		float beyond = normalShare(clamp((wavenumber - step) / width, -4.0, 4.0));
+		float w = direction.z + orderCosine(direction, float(m) * shift);
+		float efficiency = orderEfficiency(m, reliefPhase(w, wavenumber));
+		if (beyond > 0.999) {
+			full += efficiency;
+		} else if (beyond > 0.001) {
+			partial = efficiency;
+			share = beyond;
+		}
+	}
+	// 1e-4: a relief can send all its light into orders that do not propagate; what scalar theory then says of the
+	// rest is noise, and must not be divided by zero.
+	return mix(1.0 / max(full, 1e-4), 1.0 / max(full + partial, 1e-4), share);
+}
+
+// What makes η_m the efficiency e_m/R, for light between wi and wo, over a lobe of mean wavenumber and width in 1/µm.
+float energyFactor(vec3 wi, vec3 wo, float wavenumber, float width, float frequency) {
+	#if defined(ENERGY_KIRCHHOFF)
+	// (1 + ω_i·ω_o)²/(cosθ_i cosθ_o w²) (Stam 1999). Grows without bound at grazing angles, hence the floor: 1e-6 is
+	// far below the cosine of any pixel that is not edge-on.
+	float w = wi.z + wo.z;
+	float g = 1.0 + dot(wi, wo);
+	return g * g / max(wi.z * wo.z * w * w, 1e-6);
+	#elif defined(ENERGY_RECIPROCAL)
+	return min(
+		reciprocalEfficiency(wi, wavenumber, width, frequency),
+		reciprocalEfficiency(wo, wavenumber, width, frequency)
+	);
+	#else
+	return reciprocalEfficiency(wo, wavenumber, width, frequency);
+	#endif // ENERGY
+}

@@ -1,0 +1,61 @@
+// Spectra, as the tables of precompute/lobes.py hold them. Wavelengths λ in µm, wavenumbers s = 1/λ in 1/µm.
+
+uniform highp sampler2DArray uLobeTable;  // layers white, red, green: X, Y, Z, mean wavenumber over (position, log width)
+uniform highp sampler2D uMetalTable;      // reflectance of four metals over wavenumber
+uniform vec4 uMetal;                      // which of the four: one 1, three 0
+
+// A node stands for a band of the spectrum.
+struct SpectralNode {
+	float wavelength;   // µm, where the band's weight has its middle
+	float bandwidth;    // µm
+	float reflectance;  // of the metal there
+	mat3 tints;         // XYZ of the band in light of the red, green and blue basis; the sum over nodes is white
+};
+
+// Node `index` of a texture of one column a node; its rows: XYZ of white and λ, then of red and bandwidth, green and
+// reflectance, blue.
+SpectralNode spectralNode(highp sampler2D nodes, int index) {
+	vec4 white = texelFetch(nodes, ivec2(index, 0), 0);
+	vec4 red = texelFetch(nodes, ivec2(index, 1), 0);
+	vec4 green = texelFetch(nodes, ivec2(index, 2), 0);
+	vec4 blue = texelFetch(nodes, ivec2(index, 3), 0);
+	return SpectralNode(white.w, red.w, green.w, mat3(red.xyz, green.xyz, blue.xyz));
+}
+
+// R(s) of the metal at normal incidence. wavenumber: 1/µm, held within the visible range.
+float metalReflectance(float wavenumber) {
+	float x = clamp((wavenumber - WAVENUMBER_MIN) / (WAVENUMBER_MAX - WAVENUMBER_MIN), 0.0, 1.0);
+	float u = (0.5 + x * float(METAL_TEXELS - 1)) / float(METAL_TEXELS);
+	return dot(textureLod(uMetalTable, vec2(u, 0.5), 0.0), uMetal);
+}
+
+// Colour (XYZ, a mirror's Y = 1) and mean wavenumber (w, 1/µm) of a lobe that is a Gaussian in wavenumber, normalised
+// to 1: precompute/lobes.py, T(s*, q). wavenumber: s*, 1/µm, of any sign; width: q, 1/µm, within the table;
+// tint: linear sRGB of the light.
+vec4 lobeColor(float wavenumber, float width, vec3 tint) {
+	float low = WAVENUMBER_MIN - LOBE_MARGIN * width;
+	float x = (wavenumber - low) / (WAVENUMBER_MAX - WAVENUMBER_MIN + 2.0 * LOBE_MARGIN * width);
+	if (x < 0.0 || x > 1.0) return vec4(0.0, 0.0, 0.0, WAVENUMBER_MIN);
+	float y = log(width / LOBE_WIDTH_MIN) / log(LOBE_WIDTH_MAX / LOBE_WIDTH_MIN);
+	vec2 texels = vec2(LOBE_POSITIONS, LOBE_WIDTHS);
+	vec2 uv = (0.5 + vec2(x, clamp(y, 0.0, 1.0)) * (texels - 1.0)) / texels;
+	vec4 white = textureLod(uLobeTable, vec3(uv, 0.0), 0.0);
+	#ifdef TINTED
+	vec4 red = textureLod(uLobeTable, vec3(uv, 1.0), 0.0);
+	vec4 green = textureLod(uLobeTable, vec3(uv, 2.0), 0.0);
+	vec3 blue = max(white.xyz - red.xyz - green.xyz, 0.0);  // rounding of halves may leave −1e-4
+	vec3 xyz = mat3(red.xyz, green.xyz, blue) * tint;
+	// Energies and first moments are linear in the tint, the mean is their ratio.
+	vec3 energies = tint * vec3(dot(red.xyz, vec3(1.0)), dot(green.xyz, vec3(1.0)), dot(blue, vec3(1.0)));
+	float whiteEnergy = dot(white.xyz, vec3(1.0));
+	float blueMoment = whiteEnergy * white.w
+		- dot(red.xyz, vec3(1.0)) * red.w - dot(green.xyz, vec3(1.0)) * green.w;
+	float moment = energies.r * red.w + energies.g * green.w + tint.b * blueMoment;
+	float energy = energies.r + energies.g + energies.b;
+	// Where there is next to no light the ratio loses its digits, and its value no longer matters.
+	float mean = energy > 1e-3 ? clamp(moment / energy, WAVENUMBER_MIN, WAVENUMBER_MAX) : white.w;
+	return vec4(xyz, mean);
+	#else
+	return vec4(white.xyz * tint.g, white.w);  // grey: the three are equal
+	#endif // TINTED
+}

@@ -1,0 +1,14 @@
+// What the material tells the optics, and all it tells it. Directions are in view space, lengths in µm.
+
+struct SurfacePoint {
+	vec3 tangent;     // grating vector: across the grooves, unit length
+	vec3 bitangent;   // along the grooves, unit length
+	vec3 normal;      // towards the viewer's side, unit length; the three are orthonormal
+	float frequency;  // 1/period, 1/µm
+	float strength;   // share of the surface that diffracts, 0 to 1
+};
+
+struct LightSpectrum {
+	vec3 color;           // irradiance on a plane that faces the light, linear sRGB
+	float angularRadius;  // standard deviation of the light's Gaussian disc, rad
+};

@@ -1,0 +1,31 @@
+// One grating over the whole surface: grooves that run straight, or in circles about the middle of the uv square.
+#include "surface-point.glsl"
+
+uniform float uGratingFrequency;   // 1/period, 1/µm
+uniform vec2 uGratingDirection;    // (cos, sin) of the angle from growing u (circular: from the radius) to the grating vector
+uniform float uGratingStrength;    // share of the surface that diffracts, 0 to 1
+
+// tangent, bitangent, normal: orthonormal, view space, tangent towards growing u; uv: texture coordinates, 1.
+SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
+	#ifdef TRACKS_CIRCULAR
+	// On the axis itself there is no radius; one pixel may take any.
+	vec2 radius = uv - 0.5;
+	float r2 = dot(radius, radius);
+	radius = r2 > 0.0 ? radius * inversesqrt(r2) : vec2(1.0, 0.0);
+	vec2 direction = vec2(
+		uGratingDirection.x * radius.x - uGratingDirection.y * radius.y,
+		uGratingDirection.y * radius.x + uGratingDirection.x * radius.y
+	);
+	#else
+	vec2 direction = uGratingDirection;
+	#endif // TRACKS_CIRCULAR
+	return SurfacePoint(
+		direction.x * tangent + direction.y * bitangent,
+		direction.x * bitangent - direction.y * tangent,
+		normal, uGratingFrequency, uGratingStrength
+	);
+}
+
+#ifdef DIFFRACTION
+#include "grating.glsl"
+#endif // DIFFRACTION

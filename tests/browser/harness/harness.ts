@@ -1,0 +1,72 @@
+import { WebGLRenderer } from 'three'
+import { renderScene, type RenderedScene } from './render'
+import type { SceneDescription } from './scene-description'
+import { drawVariants } from './variants'
+import { timeMaterials, type TimingRequest } from './timing'
+
+/** Float arrays cross from the page to node as base64: as JSON they would take minutes. */
+export type Transferred<T> = {
+  [K in keyof T]: T[K] extends Float32Array ? string : T[K]
+}
+
+export interface Harness {
+  /** The name of the renderer behind WebGL. */
+  readonly backend: string
+  renderScene: (description: SceneDescription) => Promise<TransferredScene>
+  timeMaterials: (request: TimingRequest) => Promise<Record<string, number>>
+  /** Draws the material in every variant; returns failures by the variant's name. */
+  drawVariants: () => Promise<Record<string, string>>
+}
+
+export type TransferredScene = Transferred<Omit<RenderedScene, 'environment'>> & {
+  environment: { width: number; height: number; data: string } | null
+}
+
+declare global {
+  interface Window {
+    harness: Harness
+  }
+}
+
+const renderer = new WebGLRenderer({ antialias: false, preserveDrawingBuffer: true })
+renderer.setSize(16, 16)
+document.body.append(renderer.domElement)
+renderer.debug.onShaderError = (gl, program, vertex, fragment) => {
+  throw new Error(
+    [
+      gl.getProgramInfoLog(program),
+      gl.getShaderInfoLog(vertex),
+      gl.getShaderInfoLog(fragment),
+    ].join('\n'),
+  )
+}
+
+window.harness = {
+  backend: backendName(),
+  renderScene: async (description) => {
+    const { radiance, geometry, environment, ...rest } = await renderScene(renderer, description)
+    return {
+      ...rest,
+      radiance: base64(radiance),
+      geometry: base64(geometry),
+      environment: environment && { ...environment, data: base64(environment.data) },
+    }
+  },
+  timeMaterials: (request) => timeMaterials(renderer, request),
+  drawVariants,
+}
+
+function backendName(): string {
+  const gl = renderer.getContext()
+  const info = gl.getExtension('WEBGL_debug_renderer_info')
+  return String(gl.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER))
+}
+
+function base64(floats: Float32Array): string {
+  const bytes = new Uint8Array(floats.buffer, floats.byteOffset, floats.byteLength)
+  let text = ''
+  // String.fromCharCode takes its characters as arguments, of which there may not be too many.
+  for (let i = 0; i < bytes.length; i += 0x8000)
+    text += String.fromCharCode(...bytes.subarray(i, i + 0x8000))
+  return btoa(text)
+}

@@ -1,0 +1,105 @@
+import {
+  Color,
+  Mesh,
+  MeshPhysicalMaterial,
+  MeshStandardMaterial,
+  Scene,
+  WebGLRenderTarget,
+  type Material,
+  type WebGLRenderer,
+} from 'three'
+import { DiffractionMaterial } from '../../../web'
+import { buildCamera, buildGeometry, buildLight, buildSurface } from './build-scene'
+import { loadEnvironment } from './environment'
+import type { MaterialDescription, SceneDescription, SurfaceDescription } from './scene-description'
+
+export type TimedMaterial =
+  | { name: string; kind: 'standard' | 'iridescent'; roughness?: number; metalness?: number }
+  | {
+      name: string
+      kind: 'diffraction'
+      material?: MaterialDescription
+      /** In place of the scene's own. */
+      surface?: SurfaceDescription
+    }
+
+export interface TimingRequest {
+  /** Mesh, camera, lights and environment that all the materials share. */
+  scene: SceneDescription
+  materials: TimedMaterial[]
+  /** Frames of each material; the shortest counts. */
+  frames: number
+}
+
+interface TimedScene {
+  name: string
+  scene: Scene
+  best: number
+}
+
+/**
+ * Shortest frame of each material, ms. Frames are interleaved, so that a machine that slows down slows all of them, and
+ * each is waited for by reading one pixel: timer queries say nothing of software rendering.
+ */
+export async function timeMaterials(
+  renderer: WebGLRenderer,
+  { scene: description, materials, frames }: TimingRequest,
+): Promise<Record<string, number>> {
+  const [width, height] = description.size
+  const target = new WebGLRenderTarget(width, height)
+  const camera = buildCamera(description)
+  const environment = description.environment
+    ? await loadEnvironment(description.environment)
+    : null
+  const timed: TimedScene[] = []
+  for (const request of materials) {
+    const scene = new Scene()
+    if (environment !== null) scene.environment = environment
+    for (const light of description.lights ?? []) {
+      const built = buildLight(light)
+      scene.add(built)
+      if ('target' in built) scene.add(built.target)
+    }
+    scene.add(new Mesh(buildGeometry(description.mesh), await buildMaterial(request, description)))
+    timed.push({ name: request.name, scene, best: Infinity })
+  }
+
+  const pixel = new Uint8Array(4)
+  const gl = renderer.getContext()
+  renderer.setRenderTarget(target)
+  // The first frames compile programs and upload textures.
+  for (let frame = -2; frame < frames; frame++)
+    for (const entry of timed) {
+      const start = performance.now()
+      renderer.render(entry.scene, camera)
+      gl.finish()
+      renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel)
+      const elapsed = performance.now() - start
+      if (frame >= 0) entry.best = Math.min(entry.best, elapsed)
+    }
+  renderer.setRenderTarget(null)
+  target.dispose()
+  environment?.dispose()
+  return Object.fromEntries(timed.map(({ name, best }) => [name, best]))
+}
+
+async function buildMaterial(
+  request: TimedMaterial,
+  description: SceneDescription,
+): Promise<Material> {
+  if (request.kind === 'diffraction') {
+    const { color, ...options } = request.material ?? description.material ?? {}
+    const material = new DiffractionMaterial({
+      mapsPath: '/maps/baked/',
+      ...options,
+      ...(color && { color: new Color(...color) }),
+      surface: await buildSurface(request.surface ?? description.surface),
+    })
+    await material.ready
+    return material
+  }
+  const { roughness = 0.2, metalness = 1 } = request
+  return request.kind === 'standard'
+    ? new MeshStandardMaterial({ roughness, metalness })
+    : new MeshPhysicalMaterial({ roughness, metalness, iridescence: 1 })
+}

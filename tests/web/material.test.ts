@@ -1,0 +1,239 @@
+import {
+  EquirectangularReflectionMapping,
+  DataTexture,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  RepeatWrapping,
+  Texture,
+  UVMapping,
+} from 'three'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { DiffractionError } from '../../web/errors'
+import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
+import type { DiffractionMaterialOptions } from '../../web/materials/options'
+import { Grating } from '../../web/surfaces/grating'
+import { fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles, type FakeMap } from './fake-maps'
+
+let folder = 0
+let mapsPath = ''
+
+/** Every test has a folder of its own: loaded maps are shared by address. */
+beforeEach(() => {
+  mapsPath = `maps${++folder}/`
+  serve({})
+})
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+function serve(more: Record<string, FakeMap>): void {
+  const maps: Record<string, FakeMap> = {
+    'profile-sinusoidal': fakeProfile(),
+    'lobes-1931-2-D65': fakeLobes(),
+    metals: fakeMetals(),
+    ...more,
+  }
+  const atFolder = Object.entries(maps).map(([name, map]) => [mapsPath + name, map])
+  serveFiles(filesOf(Object.fromEntries(atFolder) as Record<string, FakeMap>))
+}
+
+function makeMaterial(options: Partial<DiffractionMaterialOptions> = {}): DiffractionMaterial {
+  const surface = new Grating({ period: 1.6, height: 0.1 })
+  return new DiffractionMaterial({ surface, mapsPath, onError: () => undefined, ...options })
+}
+
+const included = (material: DiffractionMaterial, feature: string): boolean | undefined =>
+  material.explain().find((entry) => entry.feature === feature)?.included
+
+describe('loading', () => {
+  it('leaves diffraction out until the tables are there', async () => {
+    const material = makeMaterial()
+    expect(material.defines.DIFFRACTION).toBe(false)
+    expect(included(material, 'diffraction')).toBe(false)
+    await material.ready
+    expect(material.defines.DIFFRACTION).toBe('')
+    expect(included(material, 'diffraction')).toBe(true)
+  })
+
+  it('rejects with the error that names the file, and tells onError', async () => {
+    const onError = vi.fn()
+    const material = makeMaterial({ illuminant: 'candle', onError })
+    await expect(material.ready).rejects.toBeInstanceOf(DiffractionError)
+    expect(onError).toHaveBeenCalledExactlyOnceWith(
+      expect.objectContaining({ file: `${mapsPath}lobes-1931-2-candle.json` }),
+    )
+    expect(material.explain()[0]).toMatchObject({ feature: 'diffraction', included: false })
+    expect(material.explain()[0]!.why).toContain('candle')
+  })
+
+  it('keeps the last good state when a later table fails, and recovers', async () => {
+    const material = makeMaterial()
+    await material.ready
+    material.illuminant = 'candle'
+    await expect(material.ready).rejects.toBeInstanceOf(DiffractionError)
+    expect(material.illuminant).toBe('D65')
+    expect(material.defines.DIFFRACTION).toBe('')
+
+    serve({ 'lobes-1931-2-candle': fakeLobes() })
+    material.illuminant = 'candle'
+    await material.ready
+    expect(material.illuminant).toBe('candle')
+  })
+
+  it('shows the last of several requests', async () => {
+    serve({ 'lobes-1931-2-A': fakeLobes(), 'lobes-2015-2-A': fakeLobes() })
+    const material = makeMaterial()
+    material.illuminant = 'A'
+    material.observer = '2015-2'
+    await material.ready
+    expect([material.illuminant, material.observer]).toEqual(['A', '2015-2'])
+  })
+
+  it('hears of a surface whose profile changed', async () => {
+    const surface = new Grating({ period: 1.6, height: 0.1 })
+    const material = makeMaterial({ surface })
+    await material.ready
+    surface.profile = 'unknown'
+    await expect(material.ready).rejects.toMatchObject({
+      file: `${mapsPath}profile-unknown.json`,
+    })
+  })
+})
+
+describe('setters', () => {
+  it.each([
+    ['coherence', [0, -1, NaN, Infinity]],
+    ['roughness', [-1, NaN, Infinity]],
+    ['wavelengthStep', [0, NaN, 1]],
+    ['lightAngularRadius', [-1, NaN, Infinity]],
+    ['coat', [-0.1, 1.1, NaN]],
+    ['coatIor', [0.9, NaN]],
+    ['coatRoughness', [-1, 2, NaN]],
+    ['environmentNodes', [0, NaN]],
+    ['metal', ['tin', undefined]],
+    ['observer', ['1964-10']],
+    ['energy', ['free']],
+    ['method', ['magic']],
+    ['efficiencies', ['guess']],
+    ['gamut', ['wide']],
+    ['illuminant', ['', undefined]],
+  ])('%s refuses what means nothing', (field, values) => {
+    const material = makeMaterial()
+    for (const value of values) {
+      const before = material[field as 'coherence']
+      expect(() => {
+        material[field as 'coherence'] = value as number
+      }).toThrow(expect.objectContaining({ file: 'DiffractionMaterial', field }) as Error)
+      expect(material[field as 'coherence']).toBe(before)
+    }
+  })
+
+  it('refuse at construction too', () => {
+    expect(() => makeMaterial({ coherence: 0 })).toThrow(DiffractionError)
+  })
+
+  it('change uniforms without a new program', async () => {
+    const surface = new Grating({ period: 1.6, height: 0.1 })
+    const material = makeMaterial({ surface, coat: 0.5 })
+    await material.ready
+    const { version } = material
+    material.coherence = 10
+    material.roughness = 0.01
+    material.metal = 'gold'
+    material.coat = 0.25
+    material.coatRoughness = 0.5
+    material.lightAngularRadius = 0.01
+    surface.height = 0.11
+    surface.period = 1.61
+    surface.orientation = 1
+    await material.ready
+    expect(material.version).toBe(version)
+  })
+
+  it('make a new program only where the shader changes', async () => {
+    const material = makeMaterial()
+    await material.ready
+    for (const change of [
+      () => (material.coat = 0.5),
+      () => (material.coat = 0),
+      () => (material.gamut = 'signed'),
+      () => (material.diffraction = false),
+      () => (material.energy = 'kirchhoff'),
+      () => (material.map = new Texture()),
+    ]) {
+      const { version } = material
+      change()
+      expect(material.version).toBeGreaterThan(version)
+      const again = material.version
+      const { gamut, diffraction, coat } = material
+      Object.assign(material, { gamut, diffraction, coat })
+      expect(material.version).toBe(again)
+    }
+  })
+
+  it('frees the small tables of settings that are gone', async () => {
+    const material = makeMaterial()
+    await material.ready
+    const before = material.uniforms.uLightNodes!.value as Texture
+    const dispose = vi.fn()
+    before.addEventListener('dispose', dispose)
+    material.metal = 'copper'
+    expect(dispose).toHaveBeenCalledOnce()
+  })
+})
+
+describe('the environment', () => {
+  function equirect(): DataTexture {
+    const texture = new DataTexture(new Float32Array(8 * 4 * 4), 8, 4)
+    texture.mapping = EquirectangularReflectionMapping
+    texture.minFilter = LinearFilter
+    texture.needsUpdate = true
+    return texture
+  }
+
+  it('is sampled from a copy with mip levels where it has none, and stays as it was', () => {
+    const material = makeMaterial()
+    const texture = equirect()
+    material.envMap = texture
+    const copy = material.envMap
+    expect(copy).not.toBe(texture)
+    expect(copy.source).toBe(texture.source)
+    expect(copy).toMatchObject({
+      mapping: UVMapping,
+      minFilter: LinearMipmapLinearFilter,
+      wrapS: RepeatWrapping,
+      generateMipmaps: true,
+    })
+    expect(texture).toMatchObject({
+      mapping: EquirectangularReflectionMapping,
+      minFilter: LinearFilter,
+      generateMipmaps: false,
+    })
+    material.envMap = copy
+    expect(material.envMap).toBe(copy)
+  })
+
+  it('refuses what PMREMGenerator made, and textures that are no environment', () => {
+    const material = makeMaterial()
+    const filtered = equirect()
+    filtered.isPMREMTexture = true
+    for (const texture of [filtered, new Texture()])
+      expect(() => {
+        material.envMap = texture
+      }).toThrow(expect.objectContaining({ field: 'envMap' }) as Error)
+    expect(material.envMap).toBeNull()
+  })
+})
+
+it('clones with its settings, and shares its surface', async () => {
+  const material = makeMaterial({ metal: 'gold', coat: 0.5, opacity: 0.5, color: 0xff0000 })
+  await material.ready
+  const clone = material.clone()
+  await clone.ready
+  expect(clone.surface).toBe(material.surface)
+  expect(clone).toMatchObject({ metal: 'gold', coat: 0.5, opacity: 0.5 })
+  expect(clone.color.getHex()).toBe(0xff0000)
+  expect(clone.color).not.toBe(material.color)
+  expect(clone.uniforms.uEfficiencyTable!.value).toBe(material.uniforms.uEfficiencyTable!.value)
+})

@@ -1,0 +1,112 @@
+import { Vector2 } from 'three'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { DiffractionError } from '../../web/errors'
+import { loadMap } from '../../web/maps/load'
+import { DEFAULT_SETTINGS } from '../../web/materials/options'
+import { Foil } from '../../web/surfaces/foil'
+import { Grating } from '../../web/surfaces/grating'
+import { fakeFoil, fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles } from './fake-maps'
+
+const options = { period: 1.6, height: 0.12 }
+const notNumbers = [0, -1, NaN, Infinity, '1', undefined]
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+function refuses(action: () => unknown, file: string, field: string): void {
+  let caught: unknown
+  try {
+    action()
+  } catch (error) {
+    caught = error
+  }
+  expect(caught).toBeInstanceOf(DiffractionError)
+  expect(caught).toMatchObject({ file, field })
+}
+
+describe('a grating', () => {
+  it.each(notNumbers)('refuses a period or a height of %s', (value) => {
+    const grating = new Grating(options)
+    refuses(() => (grating.period = value as number), 'Grating', 'period')
+    refuses(() => (grating.height = value as number), 'Grating', 'height')
+    refuses(() => new Grating({ ...options, period: value as number }), 'Grating', 'period')
+    expect(grating.period).toBe(1.6)
+    expect(grating.height).toBe(0.12)
+  })
+
+  it('refuses other values that mean nothing', () => {
+    const grating = new Grating(options)
+    refuses(() => (grating.orientation = NaN), 'Grating', 'orientation')
+    refuses(() => (grating.strength = 1.1), 'Grating', 'strength')
+    refuses(() => (grating.tracks = 'spiral' as 'circular'), 'Grating', 'tracks')
+    refuses(() => (grating.profile = ''), 'Grating', 'profile')
+  })
+
+  it('refuses a height beyond its table, once that is known', async () => {
+    serveFiles(filesOf({ 'p/x': fakeProfile(10), 'l/x': fakeLobes(), 'm/x': fakeMetals() }))
+    const tables = {
+      profile: await loadMap('p/x'),
+      lobes: await loadMap('l/x'),
+      metals: await loadMap('m/x'),
+    }
+    const grating = new Grating(options)
+    grating.optics(tables, DEFAULT_SETTINGS)
+    // 2π · 2 h0 / 0.38 = 10 at h0 = 0.3024 µm.
+    grating.height = 0.302
+    refuses(() => (grating.height = 0.303), 'Grating', 'height')
+    expect(grating.height).toBe(0.302)
+    const tooHigh = new Grating({ ...options, height: 0.31 })
+    refuses(() => tooHigh.optics(tables, DEFAULT_SETTINGS), 'Grating', 'height')
+  })
+
+  it('turns its grating vector without anything but a uniform', () => {
+    const grating = new Grating(options)
+    const { version } = grating
+    grating.orientation = Math.PI / 2
+    expect(grating.uniforms.uGratingDirection.value.x).toBeCloseTo(0, 15)
+    expect(grating.uniforms.uGratingDirection.value.y).toBe(1)
+    expect(grating.version).toBe(version)
+  })
+
+  it('asks for tables by the names of profile, observer and illuminant', () => {
+    const settings = { ...DEFAULT_SETTINGS, illuminant: 'A' }
+    expect(new Grating({ ...options, profile: 'blazed' }).tables(settings, 'm/')).toEqual({
+      profile: 'm/profile-blazed',
+      lobes: 'm/lobes-1931-2-A',
+      metals: 'm/metals',
+    })
+    expect(new Grating({ ...options, profile: 'my/profile' }).tables(settings, 'm/').profile).toBe(
+      'my/profile',
+    )
+  })
+})
+
+describe('a foil', () => {
+  beforeEach(() => {
+    serveFiles(filesOf({ 'maps/foil': fakeFoil(), 'maps/profile': fakeProfile() }))
+  })
+
+  it('takes height, periods, profile and decoding from its sidecar', async () => {
+    const foil = new Foil(await loadMap('maps/foil'), { repeat: new Vector2(2, 3) })
+    expect(foil.height).toBe(0.1)
+    expect(foil.period).toEqual([1.25, 2.5])
+    expect(foil.profile).toBe('sinusoidal')
+    expect(foil.uniforms.uFoilOffset.value.toArray()).toEqual([-1, -1, 0, 0])
+    expect(foil.uniforms.uFoilScale.value.toArray()).toEqual([2, 2, 0.8, 1])
+    expect(foil.repeat.toArray()).toEqual([2, 3])
+  })
+
+  it('can be given another height', async () => {
+    const map = await loadMap('maps/foil')
+    expect(new Foil(map, { height: 0.2 }).height).toBe(0.2)
+    refuses(() => new Foil(map, { height: NaN }), 'Foil', 'height')
+  })
+
+  it('refuses a map of another kind, and a repeat that is none', async () => {
+    const profile = await loadMap('maps/profile')
+    refuses(() => new Foil(profile), 'maps/profile.json', 'kind')
+    const foil = new Foil(await loadMap('maps/foil'))
+    refuses(() => (foil.repeat = new Vector2(0, 1)), 'Foil', 'repeat')
+  })
+})

@@ -1,0 +1,20 @@
+import { defineConfig } from 'vite'
+
+/** The npm package: one output module a source module, so that a bundler can drop what a scene leaves out. */
+export default defineConfig({
+  publicDir: false,
+  build: {
+    target: 'es2022',
+    minify: false,
+    sourcemap: true,
+    lib: { entry: 'web/index.ts', formats: ['es'] },
+    rolldownOptions: {
+      external: /^three(\/|$)/,
+      output: {
+        preserveModules: true,
+        preserveModulesRoot: 'web',
+        entryFileNames: '[name].js',
+      },
+    },
+  },
+})

@@ -1,0 +1,38 @@
+/** What was wrong with an input: where it stood, what it was, what it should have been. */
+export interface DiffractionErrorDetails {
+  /** The file the value came from, or the name of the class or option it was given to. */
+  file: string
+  /** The field's path inside it, as in `arrays.efficiency.shape`. */
+  field: string
+  /** The value that was refused. */
+  value: unknown
+  /** What would have been accepted. */
+  expected: string
+}
+
+/** The one error that bad input raises, whether it is a map, an option or a light. */
+export class DiffractionError extends Error {
+  override readonly name = 'DiffractionError'
+  readonly file: string
+  readonly field: string
+  readonly value: unknown
+  readonly expected: string
+
+  constructor({ file, field, value, expected }: DiffractionErrorDetails, options?: ErrorOptions) {
+    super(`${file}: ${field} is ${describe(value)}, expected ${expected}`, options)
+    this.file = file
+    this.field = field
+    this.value = value
+    this.expected = expected
+  }
+}
+
+/** Short enough for one line of a console, and true for NaN and infinities, which JSON turns to null. */
+function describe(value: unknown): string {
+  if (value === undefined) return 'missing'
+  if (typeof value === 'number' || typeof value === 'bigint') return String(value)
+  if (typeof value === 'function') return 'a function'
+  const text = JSON.stringify(value) as string | undefined
+  if (text === undefined) return typeof value
+  return text.length > 80 ? `${text.slice(0, 77)}…` : text
+}

@@ -1,0 +1,27 @@
+import coat from '../../shaders/coat.glsl?raw'
+import environment from '../../shaders/environment.glsl?raw'
+import gamut from '../../shaders/gamut.glsl?raw'
+import lights from '../../shaders/lights.glsl?raw'
+import fragment from '../../shaders/material.frag.glsl?raw'
+import vertex from '../../shaders/material.vert.glsl?raw'
+import surfacePoint from '../../shaders/surface-point.glsl?raw'
+import tangentFrame from '../../shaders/tangent-frame.glsl?raw'
+import type { Surface } from '../surfaces/surface'
+import { resolveIncludes } from './include'
+
+/** The vertex stage, the same for every surface. */
+export const vertexShader = vertex
+
+/** A fragment stage with a surface's GLSL in the place of `surface.glsl`; the material's own by default. */
+export function fragmentShader(surface: Surface, source: string = fragment): string {
+  return resolveIncludes(source, {
+    ...surface.glslFiles,
+    'coat.glsl': coat,
+    'environment.glsl': environment,
+    'gamut.glsl': gamut,
+    'lights.glsl': lights,
+    'surface-point.glsl': surfacePoint,
+    'surface.glsl': surface.glsl,
+    'tangent-frame.glsl': tangentFrame,
+  })
+}

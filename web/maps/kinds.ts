@@ -1,0 +1,47 @@
+import type { JsonReader } from './json'
+import type { ArraySpec, MapKind } from './sidecar'
+
+/** What each kind of map must hold: its arrays with their channels, its constants with their counts. */
+const CONTENTS: Record<
+  MapKind,
+  { arrays: Record<string, { rank: number; channels: number }>; constants: Record<string, number> }
+> = {
+  profile: {
+    arrays: { efficiency: { rank: 3, channels: 1 } },
+    constants: { max_order: 1, max_phase: 1, symmetric: 1 },
+  },
+  lobes: {
+    arrays: { lobe: { rank: 4, channels: 4 }, weights: { rank: 2, channels: 9 } },
+    constants: { white_xyz: 3, xyz_to_rgb: 9, wavenumber_min: 1, wavenumber_max: 1, margin: 1 },
+  },
+  metals: {
+    arrays: { reflectance: { rank: 3, channels: 4 } },
+    constants: {},
+  },
+  foil: {
+    arrays: { grating: { rank: 3, channels: 4 } },
+    constants: { height_um: 1, min_frequency: 1, max_frequency: 1, tile_mm: 2 },
+  },
+}
+
+/** Refuses a sidecar that lacks what its kind of map must hold. */
+export function checkContents(
+  kind: MapKind,
+  arraysField: JsonReader,
+  arrays: Record<string, ArraySpec>,
+  constantsField: JsonReader,
+  constants: Record<string, number[]>,
+): void {
+  const contents = CONTENTS[kind]
+  for (const [name, { rank, channels }] of Object.entries(contents.arrays)) {
+    const spec = arrays[name]
+    if (spec === undefined) throw arraysField.field(name).refuse(`an array, in a map of ${kind}`)
+    if (spec.shape.length !== rank)
+      throw arraysField.field(name).field('shape').refuse(`${rank} sizes`)
+    if (spec.shape.at(-1) !== channels)
+      throw arraysField.field(name).field('shape').refuse(`${channels} channels`)
+  }
+  for (const [name, count] of Object.entries(contents.constants))
+    if (constants[name]?.length !== count)
+      throw constantsField.field(name).refuse(count === 1 ? 'a number' : `${count} numbers`)
+}

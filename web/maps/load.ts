@@ -1,0 +1,202 @@
+import { DataUtils } from 'three'
+import { DiffractionError } from '../errors'
+import { decodePng } from './png'
+import {
+  BYTES_PER_ELEMENT,
+  readSidecar,
+  type ArraySpec,
+  type MapKind,
+  type Sidecar,
+} from './sidecar'
+
+/** One array of a map, as it is stored: half floats stay 16-bit words. */
+export interface MapArray {
+  spec: ArraySpec
+  data: Uint16Array | Float32Array | Uint8Array
+}
+
+/** A map whose every field, length and checksum has been looked at. */
+export interface LoadedMap {
+  /** The address it came from, without extension. */
+  url: string
+  sidecar: Sidecar
+  arrays: Record<string, MapArray>
+  /** Whether the SHA-256 sums were compared: browsers offer them in secure contexts only. */
+  verified: boolean
+}
+
+/** Loads and checks a map by its address without extension, as in `maps/baked/profile-sinusoidal`. */
+export async function loadMap(url: string): Promise<LoadedMap> {
+  const file = `${url}.json`
+  const sidecar = readSidecar(file, await fetchJson(file))
+  const folder = url.slice(0, url.lastIndexOf('/') + 1)
+  const arrays: Record<string, MapArray> = {}
+  await Promise.all(
+    Object.entries(sidecar.arrays).map(async ([name, spec]) => {
+      arrays[name] = await loadArray(folder + spec.file, spec)
+    }),
+  )
+  return { url, sidecar, arrays, verified: canDigest() }
+}
+
+/** Refuses a map of another kind than the one that is needed. */
+export function expectKind(map: LoadedMap, kind: MapKind): LoadedMap {
+  if (map.sidecar.kind === kind) return map
+  throw new DiffractionError({
+    file: `${map.url}.json`,
+    field: 'kind',
+    value: map.sidecar.kind,
+    expected: kind,
+  })
+}
+
+/** The array of that name, which the map's kind promises. */
+export function arrayOf(map: LoadedMap, name: string): MapArray {
+  const array = map.arrays[name]
+  if (array !== undefined) return array
+  throw new DiffractionError({
+    file: `${map.url}.json`,
+    field: `arrays.${name}`,
+    value: undefined,
+    expected: 'an array',
+  })
+}
+
+/** The numbers of a constant, which the map's kind promises. */
+export function constantOf(map: LoadedMap, name: string): number[] {
+  const constant = map.sidecar.constants[name]
+  if (constant !== undefined) return constant
+  throw new DiffractionError({
+    file: `${map.url}.json`,
+    field: `constants.${name}`,
+    value: undefined,
+    expected: 'a number or a list of numbers',
+  })
+}
+
+/** The array's elements as numbers: half floats widened, 8-bit texels decoded channel by channel. */
+export function valuesOf({ spec, data }: MapArray): Float32Array {
+  if (data instanceof Float32Array) return data
+  if (data instanceof Uint16Array)
+    return Float32Array.from(data, (half) => DataUtils.fromHalfFloat(half))
+  const { decode } = spec
+  const channels = spec.channels.length
+  return Float32Array.from(data, (texel, i) => {
+    const [offset, scale] = decode?.[i % channels] ?? [0, 1]
+    return offset + (scale * texel) / 255
+  })
+}
+
+async function loadArray(file: string, spec: ArraySpec): Promise<MapArray> {
+  const bytes = await fetchBytes(file)
+  // Lengths first: "truncated" says more than a checksum that differs.
+  const data = spec.file.endsWith('.png')
+    ? await imageData(file, bytes, spec)
+    : binaryData(file, bytes, spec)
+  if (canDigest()) await checkDigest(file, bytes, spec.sha256)
+  checkFinite(file, data)
+  return { spec, data }
+}
+
+async function imageData(file: string, bytes: Uint8Array, spec: ArraySpec): Promise<Uint8Array> {
+  const { width, height, pixels } = await decodePng(file, bytes)
+  if (height === spec.shape[0] && width === spec.shape[1]) return pixels
+  throw new DiffractionError({
+    file,
+    field: 'size (rows, columns)',
+    value: [height, width],
+    expected: `${spec.shape.slice(0, 2).join(' × ')}, as in the sidecar`,
+  })
+}
+
+function binaryData(file: string, bytes: Uint8Array, spec: ArraySpec): MapArray['data'] {
+  const length = spec.shape.reduce((product, size) => product * size, 1)
+  const expected = length * BYTES_PER_ELEMENT[spec.dtype]
+  if (bytes.length === expected) return typedArray(bytes, spec)
+  throw new DiffractionError({
+    file,
+    field: 'bytes',
+    value: bytes.length,
+    expected: `${expected}, for ${spec.shape.join(' × ')} of ${spec.dtype}${
+      bytes.length < expected ? ' (the file is truncated)' : ''
+    }`,
+  })
+}
+
+/** Little-endian bytes as numbers; every platform with WebGL is little-endian itself. */
+function typedArray(bytes: Uint8Array, spec: ArraySpec): MapArray['data'] {
+  const buffer = bytes.buffer as ArrayBuffer
+  switch (spec.dtype) {
+    case 'float16':
+      return new Uint16Array(buffer)
+    case 'float32':
+      return new Float32Array(buffer)
+    case 'uint8':
+      return bytes
+  }
+}
+
+function checkFinite(file: string, data: MapArray['data']): void {
+  let count = 0
+  if (data instanceof Float32Array) {
+    for (const value of data) if (!Number.isFinite(value)) count++
+  } else if (data instanceof Uint16Array) {
+    // All exponent bits set: an infinity or NaN.
+    for (const half of data) if ((half & 0x7c00) === 0x7c00) count++
+  }
+  if (count > 0)
+    throw new DiffractionError({
+      file,
+      field: 'values that are NaN or infinite',
+      value: count,
+      expected: '0',
+    })
+}
+
+function canDigest(): boolean {
+  return (globalThis.crypto as Crypto | undefined)?.subtle !== undefined
+}
+
+async function checkDigest(file: string, bytes: Uint8Array, expected: string): Promise<void> {
+  const digest = await crypto.subtle.digest('SHA-256', bytes as BufferSource)
+  const hex = Array.from(new Uint8Array(digest), (byte) => byte.toString(16).padStart(2, '0'))
+  if (hex.join('') !== expected)
+    throw new DiffractionError({
+      file,
+      field: 'SHA-256',
+      value: hex.join(''),
+      expected: `${expected}, as in the sidecar (truncated, or of another bake)`,
+    })
+}
+
+async function fetchJson(file: string): Promise<unknown> {
+  const bytes = await fetchBytes(file)
+  try {
+    return JSON.parse(new TextDecoder().decode(bytes)) as unknown
+  } catch (cause) {
+    throw new DiffractionError(
+      { file, field: 'document', value: String(cause), expected: 'JSON' },
+      { cause },
+    )
+  }
+}
+
+async function fetchBytes(file: string): Promise<Uint8Array> {
+  let response: Response
+  try {
+    response = await fetch(file)
+  } catch (cause) {
+    throw new DiffractionError(
+      { file, field: 'file', value: String(cause), expected: 'a file that can be fetched' },
+      { cause },
+    )
+  }
+  if (!response.ok)
+    throw new DiffractionError({
+      file,
+      field: 'file',
+      value: `HTTP ${response.status}`,
+      expected: 'a file that is there',
+    })
+  return new Uint8Array(await response.arrayBuffer())
+}

@@ -1,0 +1,151 @@
+import { MAPPINGS, type Axis } from './axes'
+import { JsonReader } from './json'
+import { checkContents } from './kinds'
+
+export const MAP_FORMAT = 'three-diffraction/map'
+export const MAP_VERSION = 1
+
+export const MAP_KINDS = ['profile', 'lobes', 'metals', 'foil'] as const
+export type MapKind = (typeof MAP_KINDS)[number]
+
+export const DTYPES = ['float16', 'float32', 'uint8'] as const
+export type Dtype = (typeof DTYPES)[number]
+
+export const BYTES_PER_ELEMENT: Record<Dtype, number> = { float16: 2, float32: 4, uint8: 1 }
+
+/** One binary of a map: slowest axis first, channels last. */
+export interface ArraySpec {
+  /** File name beside the sidecar. */
+  file: string
+  dtype: Dtype
+  shape: number[]
+  sha256: string
+  /** The named axes; an image has none, its rows and columns are the surface itself. */
+  axes: Axis[]
+  channels: string[]
+  /** Images of 8 bits: value = offset + scale · texel/255, one pair a channel. */
+  decode: [number, number][] | null
+}
+
+/** What a map says of itself. */
+export interface Sidecar {
+  format: typeof MAP_FORMAT
+  version: typeof MAP_VERSION
+  kind: MapKind
+  quantity: string
+  symbol: string
+  arrays: Record<string, ArraySpec>
+  /** Numbers that go with the arrays; a single one is a list of one. */
+  constants: Record<string, number[]>
+  /** The recipe the map was baked from, as it was given. */
+  recipe: Record<string, unknown>
+}
+
+/** Checks a parsed sidecar field by field; `file` goes into the error. */
+export function readSidecar(file: string, json: unknown): Sidecar {
+  const root = new JsonReader(file, '', json)
+  const format = root.field('format').oneOf([MAP_FORMAT])
+  const version = root.field('version')
+  if (version.number() !== MAP_VERSION) throw version.refuse(String(MAP_VERSION))
+  const kind = root.field('kind').oneOf(MAP_KINDS)
+
+  const arrays: Record<string, ArraySpec> = {}
+  const arraysField = root.field('arrays')
+  for (const name of Object.keys(arraysField.object()))
+    arrays[name] = readArray(arraysField.field(name))
+
+  const constantsField = root.field('constants')
+  const constants = readConstants(constantsField)
+  checkContents(kind, arraysField, arrays, constantsField, constants)
+
+  return {
+    format,
+    version: MAP_VERSION,
+    kind,
+    quantity: root.field('quantity').string(),
+    symbol: root.field('symbol').string(),
+    arrays,
+    constants,
+    recipe: root.field('recipe').isMissing ? {} : root.field('recipe').object(),
+  }
+}
+
+function readArray(field: JsonReader): ArraySpec {
+  const fileField = field.field('file')
+  const file = fileField.string()
+  // A sidecar names its neighbours, nothing above or elsewhere.
+  if (file.includes('/') || file.includes('\\') || file.includes(':'))
+    throw fileField.refuse('a file name without a folder')
+
+  const dtype = field.field('dtype').oneOf(DTYPES)
+  const isImage = file.endsWith('.png')
+  if (isImage && dtype !== 'uint8') throw field.field('dtype').refuse('uint8 for a .png')
+
+  const shapeField = field.field('shape')
+  const shape = shapeField.list().map((size) => size.count())
+  if (shape.length < 2 || shape.length > 4)
+    throw shapeField.refuse('2 to 4 sizes, the number of channels last')
+
+  const channelsField = field.field('channels')
+  const channels = channelsField.list().map((channel) => channel.string())
+  if (channels.length !== shape.at(-1))
+    throw channelsField.refuse(`${String(shape.at(-1))} names, one for each channel of the shape`)
+
+  const shaField = field.field('sha256')
+  const sha256 = shaField.string()
+  if (!/^[0-9a-f]{64}$/.test(sha256)) throw shaField.refuse('64 lower-case hexadecimal digits')
+
+  const axesField = field.field('axes')
+  const axisFields = axesField.isMissing ? [] : axesField.list()
+  const axes = axisFields.map(readAxis)
+  if (axes.length !== 0 && axes.length !== shape.length - 1)
+    throw axesField.refuse(`${shape.length - 1} axes, one for each size of the shape but the last`)
+  for (const [i, axisField] of axisFields.entries()) {
+    const sizeField = axisField.field('size')
+    if (axes[i]?.size !== shape[i]) throw sizeField.refuse(`${String(shape[i])}, as in the shape`)
+  }
+
+  const decodeField = field.field('decode')
+  const decode = isImage ? readDecode(decodeField, channels.length) : null
+  if (!isImage && !decodeField.isMissing) throw decodeField.refuse('none for a .bin')
+
+  return { file, dtype, shape, sha256, axes, channels, decode }
+}
+
+function readAxis(field: JsonReader): Axis {
+  const axis: Axis = {
+    name: field.field('name').string(),
+    symbol: field.field('symbol').string(),
+    unit: field.field('unit').string(),
+    size: field.field('size').count(),
+    mapping: field.field('mapping').oneOf(MAPPINGS),
+    first: field.field('first').number(),
+    last: field.field('last').number(),
+  }
+  if (axis.size > 1 && axis.last === axis.first)
+    throw field.field('last').refuse(`something other than first, ${axis.first}`)
+  if (axis.mapping === 'log' && !(axis.first > 0 && axis.last > 0))
+    throw field.field('first').refuse('ends above 0 on a logarithmic axis')
+  return axis
+}
+
+function readDecode(field: JsonReader, channels: number): [number, number][] {
+  const pairs = field.list()
+  if (pairs.length !== channels)
+    throw field.refuse(`${channels} pairs of offset and scale, one a channel`)
+  return pairs.map((pair) => {
+    const [offset, scale, ...rest] = pair.list()
+    if (offset === undefined || scale === undefined || rest.length > 0)
+      throw pair.refuse('a pair of offset and scale')
+    return [offset.number(), scale.number()]
+  })
+}
+
+function readConstants(field: JsonReader): Record<string, number[]> {
+  const constants: Record<string, number[]> = {}
+  for (const [name, value] of Object.entries(field.object())) {
+    const entry = field.field(name)
+    constants[name] = Array.isArray(value) ? entry.list().map((v) => v.number()) : [entry.number()]
+  }
+  return constants
+}

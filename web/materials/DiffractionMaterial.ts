@@ -1,0 +1,581 @@
+import {
+  BackSide,
+  Color,
+  Euler,
+  Material,
+  Matrix3,
+  Matrix4,
+  ShaderMaterial,
+  TangentSpaceNormalMap,
+  Texture,
+  UniformsLib,
+  UniformsUtils,
+  Vector2,
+  type BufferGeometry,
+  type Camera,
+  type Group,
+  type IUniform,
+  type MaterialParameters,
+  type Object3D,
+  type Scene,
+  type WebGLRenderer,
+} from 'three'
+import type { DiffractionError } from '../errors'
+import { fragmentShader, vertexShader } from '../glsl/material-shaders'
+import type {
+  Efficiencies,
+  Energy,
+  Metal,
+  Method,
+  Observer,
+  Optics,
+  OpticsSettings,
+  Surface,
+} from '../surfaces/surface'
+import { oneOf, within } from '../validation'
+import { checkEnvironment, environmentMap } from './environment-map'
+import { describeFeatures, type Feature } from './features'
+import { assertLightLoops } from './light-order'
+import { OpticsLoader } from './optics-loader'
+import {
+  DEFAULT_SETTINGS,
+  GAMUTS,
+  SETTING_CHECKS,
+  type DiffractionMaterialOptions,
+  type Gamut,
+} from './options'
+import { sceneLights } from './scene-lights'
+
+const OWNER = 'DiffractionMaterial'
+
+/** The defines of the shader's own parts; those of a surface and its optics join them. */
+const FEATURES = [
+  'DIFFRACTION',
+  'BASE',
+  'COAT',
+  'TINTED',
+  'ENVIRONMENT_EQUIRECT',
+  'ENVIRONMENT_CUBE',
+  'GAMUT_MAPPED',
+]
+
+const rotationMatrix = new Matrix4()
+/** Cube textures that were not rendered keep the left-handed axes of their images. */
+const mirrorX = new Matrix3().set(-1, 0, 0, 0, 1, 0, 0, 0, 1)
+
+/**
+ * A material for WebGLRenderer whose surface diffracts: over a matt base, under a clear lacquer, lit by
+ * directional, point and spot lights and by an environment. Ambient and hemisphere lights and light probes reach the
+ * matt base alone; area lights (RectAreaLight) light nothing, they have no one direction to diffract from.
+ */
+export class DiffractionMaterial extends ShaderMaterial {
+  override readonly type = 'DiffractionMaterial'
+  /** Tells three to pass on a geometry's tangents and uv: a grating has a direction. */
+  readonly anisotropy = 1
+  readonly normalMapType = TangentSpaceNormalMap
+
+  /** Albedo of the matt base. */
+  readonly color = new Color(0xffffff)
+  readonly normalScale = new Vector2(1, 1)
+  bumpScale = 1
+  envMapIntensity = 1
+  /** Normals from the triangles; as in three's materials, a change needs `needsUpdate`. */
+  flatShading = false
+  readonly envMapRotation = new Euler()
+  onError: (error: DiffractionError) => void = (error) => {
+    console.error(error)
+  }
+
+  readonly #settings: OpticsSettings = { ...DEFAULT_SETTINGS }
+  readonly #optics: OpticsLoader
+  /** The settings of the optics in use; null before the first. */
+  #applied: OpticsSettings | null = null
+  #opticsDefines: string[] = []
+  #opticsUniforms: string[] = []
+  #surface: Surface
+  #surfaceVersion = -1
+  #mapsPath: string
+  #diffraction = true
+  #lightAngularRadius = 0
+  #gamut: Gamut = 'map'
+  #map: Texture | null = null
+  #normalMap: Texture | null = null
+  #bumpMap: Texture | null = null
+  #envMap: Texture | null = null
+  /** False while the constructor sets one option after the other. */
+  #isComplete = false
+
+  constructor(options: DiffractionMaterialOptions) {
+    super()
+    assertLightLoops()
+    const { surface, mapsPath = 'maps/baked/', ...values } = options
+    this.#surface = surface
+    this.#mapsPath = mapsPath
+    this.#optics = new OpticsLoader(
+      (optics) => {
+        this.#apply(optics)
+      },
+      (error) => {
+        this.#fail(error)
+      },
+    )
+    this.lights = true
+    this.fog = true
+    this.clipping = true
+    this.vertexShader = vertexShader
+    this.defines = Object.fromEntries(FEATURES.map((name) => [name, false]))
+    this.uniforms = {
+      ...UniformsUtils.merge([UniformsLib.lights, UniformsLib.fog]),
+      ...this.#ownUniforms(),
+    }
+    this.#useSurface()
+    this.setValues(values)
+    this.#isComplete = true
+    this.#request()
+  }
+
+  /** Resolves when all tables are there and in use; rejects with a DiffractionError. */
+  get ready(): Promise<void> {
+    this.#followSurface()
+    return this.#optics.ready
+  }
+
+  get surface(): Surface {
+    return this.#surface
+  }
+
+  set surface(value: Surface) {
+    if (value === this.#surface) return
+    this.#surface = value
+    this.#useSurface()
+    this.#request()
+  }
+
+  get mapsPath(): string {
+    return this.#mapsPath
+  }
+
+  get metal(): Metal {
+    return this.#settings.metal
+  }
+
+  set metal(value: Metal) {
+    this.#set('metal', value)
+  }
+
+  get illuminant(): string {
+    return this.#settings.illuminant
+  }
+
+  set illuminant(value: string) {
+    this.#set('illuminant', value)
+  }
+
+  get observer(): Observer {
+    return this.#settings.observer
+  }
+
+  set observer(value: Observer) {
+    this.#set('observer', value)
+  }
+
+  /** How efficiencies are normalised over the orders that propagate. */
+  get energy(): Energy {
+    return this.#settings.energy
+  }
+
+  set energy(value: Energy) {
+    this.#set('energy', value)
+  }
+
+  get method(): Method {
+    return this.#settings.method
+  }
+
+  set method(value: Method) {
+    this.#set('method', value)
+  }
+
+  /** Step of the wavelength loop, µm. */
+  get wavelengthStep(): number {
+    return this.#settings.wavelengthStep
+  }
+
+  set wavelengthStep(value: number) {
+    this.#set('wavelengthStep', value)
+  }
+
+  get efficiencies(): Efficiencies {
+    return this.#settings.efficiencies
+  }
+
+  set efficiencies(value: Efficiencies) {
+    this.#set('efficiencies', value)
+  }
+
+  /** Standard deviation σ of the coherence window, µm. */
+  get coherence(): number {
+    return this.#settings.coherence
+  }
+
+  set coherence(value: number) {
+    this.#set('coherence', value)
+  }
+
+  /** Standard deviation of the surface's tilt, rad. */
+  get roughness(): number {
+    return this.#settings.roughness
+  }
+
+  set roughness(value: number) {
+    this.#set('roughness', value)
+  }
+
+  get environmentNodes(): number {
+    return this.#settings.environmentNodes
+  }
+
+  set environmentNodes(value: number) {
+    this.#set('environmentNodes', value)
+  }
+
+  /** Whether the surface diffracts; false compiles diffraction out and leaves base and lacquer. */
+  get diffraction(): boolean {
+    return this.#diffraction
+  }
+
+  set diffraction(value: boolean) {
+    this.#diffraction = value
+    this.#setDefine('DIFFRACTION', this.#applied !== null && value)
+  }
+
+  /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`. */
+  get lightAngularRadius(): number {
+    return this.#lightAngularRadius
+  }
+
+  set lightAngularRadius(value: number) {
+    this.#lightAngularRadius = within(OWNER, 'lightAngularRadius', value, 0, Math.PI / 2, 'rad')
+  }
+
+  get coat(): number {
+    return this.#number('uCoat')
+  }
+
+  set coat(value: number) {
+    this.#setNumber('uCoat', within(OWNER, 'coat', value, 0, 1))
+    this.#setDefine('COAT', value > 0)
+  }
+
+  get coatIor(): number {
+    return this.#number('uCoatIor')
+  }
+
+  set coatIor(value: number) {
+    // Below 1 light could be totally reflected; above 4 lies no lacquer.
+    this.#setNumber('uCoatIor', within(OWNER, 'coatIor', value, 1, 4))
+  }
+
+  get coatRoughness(): number {
+    return this.#number('uCoatRoughness')
+  }
+
+  set coatRoughness(value: number) {
+    this.#setNumber('uCoatRoughness', within(OWNER, 'coatRoughness', value, 0, 1))
+  }
+
+  get gamut(): Gamut {
+    return this.#gamut
+  }
+
+  set gamut(value: Gamut) {
+    this.#gamut = oneOf(OWNER, 'gamut', value, GAMUTS)
+    this.#setDefine('GAMUT_MAPPED', value === 'map')
+  }
+
+  get map(): Texture | null {
+    return this.#map
+  }
+
+  set map(value: Texture | null) {
+    this.#map = this.#setTexture('map', this.#map, value)
+  }
+
+  get normalMap(): Texture | null {
+    return this.#normalMap
+  }
+
+  set normalMap(value: Texture | null) {
+    this.#normalMap = this.#setTexture('normalMap', this.#normalMap, value)
+  }
+
+  get bumpMap(): Texture | null {
+    return this.#bumpMap
+  }
+
+  set bumpMap(value: Texture | null) {
+    this.#bumpMap = this.#setTexture('bumpMap', this.#bumpMap, value)
+  }
+
+  /**
+   * The environment, in place of the scene's. Reads back as the texture that is sampled, which for one without mip
+   * levels is a copy that shares its image.
+   */
+  get envMap(): Texture | null {
+    if (this.#envMap === null) return null
+    return environmentMap(this.#envMap)?.texture ?? this.#envMap
+  }
+
+  set envMap(value: Texture | null) {
+    if (value !== null) checkEnvironment(value)
+    this.#envMap = value
+  }
+
+  /** What is compiled in, what is left out, and why. */
+  explain(): Feature[] {
+    return describeFeatures({
+      defines: this.defines,
+      opticsDefines: this.#opticsDefines,
+      diffraction: this.#diffraction,
+      opticsState: this.#optics.state,
+      opticsError: this.#optics.error,
+      isPartial: this.#surface.isPartial,
+      surfaceName: this.#surface.name,
+      gamut: this.#gamut,
+      textures: { map: this.#map, normalMap: this.#normalMap, bumpMap: this.#bumpMap },
+    })
+  }
+
+  override onBeforeRender(
+    renderer: WebGLRenderer,
+    scene: Scene,
+    camera: Camera,
+    geometry: BufferGeometry,
+    object: Object3D,
+    group: Group,
+  ): void {
+    super.onBeforeRender(renderer, scene, camera, geometry, object, group)
+    this.#followSurface()
+    this.#followLights(renderer, scene, camera)
+    this.#followEnvironment(scene)
+    this.#followTextures()
+    this.#setNumber('uOpacity', this.opacity)
+  }
+
+  override dispose(): void {
+    super.dispose()
+    for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
+  }
+
+  /** Shares surface and tables with the source, and copies the rest. */
+  override copy(source: this): this {
+    // Not ShaderMaterial's, which would clone every table's texture.
+    Material.prototype.copy.call(this, source)
+    this.surface = source.surface
+    this.setValues(source.#options())
+    return this
+  }
+
+  override clone(): this {
+    const clone = new DiffractionMaterial({ surface: this.#surface, mapsPath: this.#mapsPath })
+    return clone.copy(this) as this
+  }
+
+  #options(): MaterialParameters & Omit<DiffractionMaterialOptions, 'surface' | 'mapsPath'> {
+    return {
+      ...this.#settings,
+      diffraction: this.#diffraction,
+      lightAngularRadius: this.#lightAngularRadius,
+      coat: this.coat,
+      coatIor: this.coatIor,
+      coatRoughness: this.coatRoughness,
+      color: this.color,
+      map: this.#map,
+      normalMap: this.#normalMap,
+      normalScale: this.normalScale,
+      bumpMap: this.#bumpMap,
+      bumpScale: this.bumpScale,
+      flatShading: this.flatShading,
+      envMap: this.#envMap,
+      envMapIntensity: this.envMapIntensity,
+      envMapRotation: this.envMapRotation,
+      gamut: this.#gamut,
+      onError: this.onError,
+    }
+  }
+
+  #ownUniforms(): Record<string, IUniform> {
+    return {
+      uBaseColor: { value: this.color },
+      uOpacity: { value: 1 },
+      uCoat: { value: 0 },
+      uCoatIor: { value: 1.5 },
+      uCoatRoughness: { value: 0 },
+      uLightAngularRadii: { value: [] as number[] },
+      uEnvironmentMap: { value: null },
+      uEnvironmentRotation: { value: new Matrix3() },
+      uEnvironmentIntensity: { value: 1 },
+      uEnvironmentTexel: { value: 1 },
+      map: { value: null },
+      mapTransform: { value: new Matrix3() },
+      normalMap: { value: null },
+      normalMapTransform: { value: new Matrix3() },
+      normalScale: { value: new Vector2(1, 1) },
+      bumpMap: { value: null },
+      bumpMapTransform: { value: new Matrix3() },
+      bumpScale: { value: 1 },
+    }
+  }
+
+  /** One of the optics' settings: taken if the surface can be shown with it, else as it was. */
+  #set<K extends keyof OpticsSettings>(name: K, value: OpticsSettings[K]): void {
+    const checked = SETTING_CHECKS[name](value)
+    const before = this.#settings[name]
+    if (checked === before) return
+    this.#settings[name] = checked
+    try {
+      this.#request()
+    } catch (error) {
+      this.#settings[name] = before
+      throw error
+    }
+  }
+
+  #request(): void {
+    if (!this.#isComplete) return
+    this.#surfaceVersion = this.#surface.version
+    this.#optics.request(this.#surface, this.#settings, this.#mapsPath)
+  }
+
+  /** Takes over what a surface changed since the last look, in a frame or before `ready` is awaited. */
+  #followSurface(): void {
+    if (this.#surface.version === this.#surfaceVersion) return
+    this.#setDefines(this.#surface.defines)
+    this.#setDefine('BASE', this.#surface.isPartial)
+    this.#request()
+  }
+
+  #useSurface(): void {
+    this.fragmentShader = fragmentShader(this.#surface)
+    Object.assign(this.uniforms, this.#surface.uniforms)
+    this.#setDefines(this.#surface.defines)
+    this.#setDefine('BASE', this.#surface.isPartial)
+    this.#setDefine('GAMUT_MAPPED', this.#gamut === 'map')
+    // The old surface's optics do not fit the new one's GLSL.
+    this.#applied = null
+    this.#setDefine('DIFFRACTION', false)
+    this.needsUpdate = true
+  }
+
+  #apply({ defines, uniforms }: Optics): void {
+    for (const [name, { value }] of Object.entries(uniforms)) {
+      const uniform = (this.uniforms[name] ??= { value: null })
+      // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
+      // uploads it again with the next frame.
+      if (uniform.value !== value) disposeTexture(uniform.value)
+      uniform.value = value as unknown
+    }
+    this.#opticsUniforms = Object.keys(uniforms)
+    for (const name of this.#opticsDefines) if (!(name in defines)) this.#setDefine(name, false)
+    this.#opticsDefines = Object.keys(defines)
+    this.#setDefines(defines)
+    this.#applied = { ...this.#settings }
+    this.#setDefine('DIFFRACTION', this.#diffraction)
+  }
+
+  /** Tables did not come: back to the settings of those in use. */
+  #fail(error: DiffractionError): void {
+    if (this.#applied !== null) Object.assign(this.#settings, this.#applied)
+    this.onError(error)
+  }
+
+  #followLights(renderer: WebGLRenderer, scene: Object3D, camera: Camera): void {
+    const { angularRadii, isTinted } = sceneLights(renderer, scene, camera)
+    const radii = this.uniforms.uLightAngularRadii!.value as number[]
+    radii.length = angularRadii.length
+    for (let i = 0; i < radii.length; i++) {
+      const radius = angularRadii[i]!
+      radii[i] = Number.isNaN(radius) ? this.#lightAngularRadius : radius
+    }
+    this.#setDefine('TINTED', isTinted)
+  }
+
+  /** The material's environment before the scene's, as for three's own materials. */
+  #followEnvironment(scene: Scene): void {
+    const isOwn = this.#envMap !== null
+    const given = this.#envMap ?? environmentOf(scene)
+    const environment = given === null ? null : environmentMap(given)
+    this.#setDefine('ENVIRONMENT_EQUIRECT', environment !== null && !environment.isCube)
+    this.#setDefine('ENVIRONMENT_CUBE', environment?.isCube === true)
+    if (environment === null) return
+    const { texture, isCube, texel } = environment
+    const euler = isOwn ? this.envMapRotation : scene.environmentRotation
+    const rotation = this.uniforms.uEnvironmentRotation!.value as Matrix3
+    // The inverse of a rotation is its transpose: the texture turns with the angles, directions against them.
+    rotation.setFromMatrix4(rotationMatrix.makeRotationFromEuler(euler)).transpose()
+    if (isCube && !texture.isRenderTargetTexture) rotation.premultiply(mirrorX)
+    this.uniforms.uEnvironmentMap!.value = texture
+    this.#setNumber('uEnvironmentTexel', texel)
+    this.#setNumber(
+      'uEnvironmentIntensity',
+      isOwn ? this.envMapIntensity : scene.environmentIntensity,
+    )
+  }
+
+  #followTextures(): void {
+    // A back side's outward normal is the other one; three turns its maps round in the same way.
+    const sign = this.side === BackSide ? -1 : 1
+    if (this.#map !== null) this.#followTransform('mapTransform', this.#map)
+    if (this.#normalMap !== null) {
+      this.#followTransform('normalMapTransform', this.#normalMap)
+      const scale = this.uniforms.normalScale!.value as Vector2
+      scale.copy(this.normalScale).multiplyScalar(sign)
+    }
+    if (this.#bumpMap !== null) {
+      this.#followTransform('bumpMapTransform', this.#bumpMap)
+      this.#setNumber('bumpScale', sign * this.bumpScale)
+    }
+  }
+
+  #followTransform(name: string, texture: Texture): void {
+    if (texture.matrixAutoUpdate) texture.updateMatrix()
+    const transform = this.uniforms[name]!.value as Matrix3
+    transform.copy(texture.matrix)
+  }
+
+  #setTexture(name: string, before: Texture | null, value: Texture | null): Texture | null {
+    this.uniforms[name]!.value = value
+    if ((before === null) !== (value === null) || before?.channel !== value?.channel)
+      this.needsUpdate = true
+    return value
+  }
+
+  #setDefines(defines: Record<string, string | number>): void {
+    for (const [name, value] of Object.entries(defines)) this.#setDefine(name, value)
+  }
+
+  /** Recompiles only on change. A define that is out stays as `false`: keys keep their order, and programs theirs. */
+  #setDefine(name: string, value: string | number | boolean): void {
+    const define = value === true ? '' : value
+    if ((this.defines[name] ?? false) === define) return
+    this.defines[name] = define
+    this.needsUpdate = true
+  }
+
+  #number(name: string): number {
+    return this.uniforms[name]!.value as number
+  }
+
+  #setNumber(name: string, value: number): void {
+    this.uniforms[name]!.value = value
+  }
+}
+
+/** What is drawn can be a mere mesh or group, without an environment. */
+function environmentOf(scene: Partial<Scene>): Texture | null {
+  return scene.environment ?? null
+}
+
+function disposeTexture(value: unknown): void {
+  if (value instanceof Texture) value.dispose()
+}

@@ -1,0 +1,81 @@
+import type { Texture } from 'three'
+import type { DiffractionError } from '../errors'
+
+/** One thing the shader can do, whether it is compiled in, and why. */
+export interface Feature {
+  feature: string
+  included: boolean
+  why: string
+}
+
+interface MaterialState {
+  defines: Record<string, unknown>
+  /** Names of the defines that came from the surface's optics. */
+  opticsDefines: string[]
+  diffraction: boolean
+  opticsState: 'loading' | 'ready' | 'failed'
+  opticsError: DiffractionError | null
+  isPartial: boolean
+  surfaceName: string
+  gamut: 'map' | 'signed'
+  textures: Record<string, Texture | null>
+}
+
+/** The report behind `material.explain()`. Lights and environment are as in the last frame drawn. */
+export function describeFeatures(state: MaterialState): Feature[] {
+  const isIn = (name: string): boolean => (state.defines[name] ?? false) !== false
+  const choose = (feature: string, included: boolean, yes: string, no: string): Feature => ({
+    feature,
+    included,
+    why: included ? yes : no,
+  })
+  return [
+    choose(
+      'diffraction',
+      isIn('DIFFRACTION'),
+      `the tables of ${state.surfaceName} are loaded`,
+      whyNot(state),
+    ),
+    choose(
+      'matt base',
+      state.isPartial,
+      `the strength of ${state.surfaceName} is below 1 somewhere`,
+      `the strength of ${state.surfaceName} is 1 everywhere`,
+    ),
+    choose('lacquer', isIn('COAT'), 'coat is above 0', 'coat is 0'),
+    choose(
+      'tinted light',
+      isIn('TINTED'),
+      "a visible light's colour is not grey, or it has a map",
+      'all visible lights are white or grey',
+    ),
+    choose(
+      'equirectangular environment',
+      isIn('ENVIRONMENT_EQUIRECT'),
+      'the environment is an equirectangular texture',
+      'there is none of that kind',
+    ),
+    choose(
+      'cube environment',
+      isIn('ENVIRONMENT_CUBE'),
+      'the environment is a cube texture',
+      'there is none of that kind',
+    ),
+    choose('gamut mapping', state.gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
+    ...Object.entries(state.textures).map(([name, texture]) =>
+      choose(name, texture !== null, 'a texture is set', 'no texture is set'),
+    ),
+    ...state.opticsDefines.map((name) => ({
+      feature: name,
+      included: isIn(name),
+      why: `asked for by the optics of ${state.surfaceName}, with value ${String(state.defines[name])}`,
+    })),
+  ]
+}
+
+function whyNot(state: MaterialState): string {
+  if (!state.diffraction) return 'diffraction is false'
+  if (state.opticsState === 'failed')
+    return `the tables failed: ${state.opticsError?.message ?? ''}`
+  return 'the tables are loading'
+}

@@ -1,0 +1,77 @@
+import { DiffractionError } from '../errors'
+import { loadSharedMap } from '../maps/cache'
+import type { LoadedMap } from '../maps/load'
+import type { Optics, OpticsSettings, Surface } from '../surfaces/surface'
+
+type LoaderState = 'loading' | 'ready' | 'failed'
+
+/** Keeps a surface's optics in step with the settings; tables are fetched when their addresses change. */
+export class OpticsLoader {
+  state: LoaderState = 'loading'
+  /** Settles when the last request has; failures are also given to `onError`. */
+  ready: Promise<void> = Promise.resolve()
+  error: DiffractionError | null = null
+
+  #tables: Record<string, LoadedMap> = {}
+  #addresses = ''
+  #request = 0
+
+  constructor(
+    private readonly apply: (optics: Optics) => void,
+    private readonly onError: (error: DiffractionError) => void,
+  ) {}
+
+  /**
+   * Asks for the optics of a surface under these settings: at once where the tables are at hand (and then what does
+   * not fit is thrown), later where they must be fetched. What was last good stays until then, or for good.
+   */
+  request(surface: Surface, settings: OpticsSettings, mapsPath: string): void {
+    const wanted = surface.tables(settings, mapsPath)
+    const addresses = JSON.stringify(wanted)
+    const request = ++this.#request
+    if (addresses === this.#addresses) {
+      this.apply(surface.optics(this.#tables, settings))
+      this.state = 'ready'
+      this.error = null
+      this.ready = Promise.resolve()
+      return
+    }
+    this.state = 'loading'
+    this.ready = this.#load(wanted).then((tables) => {
+      // A later request has its own tables.
+      if (request !== this.#request) return
+      const optics = surface.optics(tables, settings)
+      this.#tables = tables
+      this.#addresses = addresses
+      this.apply(optics)
+      this.state = 'ready'
+      this.error = null
+    })
+    this.ready = this.ready.catch((cause: unknown) => {
+      const error = asDiffractionError(cause)
+      if (request === this.#request) {
+        this.state = 'failed'
+        this.error = error
+        this.onError(error)
+      }
+      throw error
+    })
+    // Whoever awaits `ready` hears of a failure; nobody has to.
+    this.ready.catch(() => undefined)
+  }
+
+  async #load(wanted: Record<string, string>): Promise<Record<string, LoadedMap>> {
+    const entries = await Promise.all(
+      Object.entries(wanted).map(async ([name, url]) => [name, await loadSharedMap(url)] as const),
+    )
+    return Object.fromEntries(entries)
+  }
+}
+
+function asDiffractionError(cause: unknown): DiffractionError {
+  if (cause instanceof DiffractionError) return cause
+  return new DiffractionError(
+    { file: 'maps', field: 'tables', value: String(cause), expected: 'tables that load' },
+    { cause },
+  )
+}

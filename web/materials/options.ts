@@ -1,0 +1,83 @@
+import type { Color, ColorRepresentation, Euler, MaterialParameters, Texture, Vector2 } from 'three'
+import type { DiffractionError } from '../errors'
+import {
+  EFFICIENCIES,
+  ENERGIES,
+  METALS,
+  METHODS,
+  OBSERVERS,
+  type OpticsSettings,
+  type Surface,
+} from '../surfaces/surface'
+import { oneOf, positive, within } from '../validation'
+
+export const GAMUTS = ['map', 'signed'] as const
+export type Gamut = (typeof GAMUTS)[number]
+
+export interface DiffractionMaterialOptions extends MaterialParameters, Partial<OpticsSettings> {
+  /** What diffracts: a Grating, a Foil. */
+  surface: Surface
+  /** Folder of the baked tables, with its slash; 'maps/baked/' by default. */
+  mapsPath?: string
+  /** Whether the surface diffracts at all; true by default. */
+  diffraction?: boolean
+  /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; 0 by default. */
+  lightAngularRadius?: number
+  /** Share of the surface under a clear lacquer, 0 (default) to 1. */
+  coat?: number
+  /** The lacquer's refractive index, 1.5 by default. */
+  coatIor?: number
+  /** The lacquer's roughness as three counts it, 0 (default) to 1. */
+  coatRoughness?: number
+  /** Albedo of the matt base that shows where the surface does not diffract; white by default. */
+  color?: ColorRepresentation | Color
+  map?: Texture | null
+  normalMap?: Texture | null
+  normalScale?: Vector2
+  bumpMap?: Texture | null
+  bumpScale?: number
+  /** Normals from the triangles instead of the vertices; false by default. */
+  flatShading?: boolean
+  /** The environment, in place of the scene's. */
+  envMap?: Texture | null
+  envMapIntensity?: number
+  envMapRotation?: Euler
+  /** 'map' (default) moves colours into the display's gamut; 'signed' leaves sums as they are, to be read back. */
+  gamut?: Gamut
+  /** Told of tables that could not be loaded; prints to the console by default. */
+  onError?: (error: DiffractionError) => void
+}
+
+export const DEFAULT_SETTINGS: Readonly<OpticsSettings> = {
+  metal: 'aluminium',
+  illuminant: 'D65',
+  observer: '1931-2',
+  energy: 'conserving',
+  method: 'closed-form',
+  wavelengthStep: 0.005,
+  efficiencies: 'table',
+  coherence: 16.25,
+  roughness: 0,
+  environmentNodes: 8,
+}
+
+const OWNER = 'DiffractionMaterial'
+
+/** One check for each setting; each returns the value or throws a DiffractionError that names it. */
+export const SETTING_CHECKS: {
+  [K in keyof OpticsSettings]: (value: unknown) => OpticsSettings[K]
+} = {
+  metal: (value) => oneOf(OWNER, 'metal', value, METALS),
+  // Any name: which illuminants there are is a question of which maps were baked.
+  illuminant: (value) =>
+    typeof value === 'string' && value !== '' ? value : oneOf(OWNER, 'illuminant', value, ['D65']),
+  observer: (value) => oneOf(OWNER, 'observer', value, OBSERVERS),
+  energy: (value) => oneOf(OWNER, 'energy', value, ENERGIES),
+  method: (value) => oneOf(OWNER, 'method', value, METHODS),
+  // Above 50 nm the loop would step over a colour-matching lobe; below 0.1 nm it would never end.
+  wavelengthStep: (value) => within(OWNER, 'wavelengthStep', value, 0.0001, 0.05, 'µm'),
+  efficiencies: (value) => oneOf(OWNER, 'efficiencies', value, EFFICIENCIES),
+  coherence: (value) => positive(OWNER, 'coherence', value, 'µm'),
+  roughness: (value) => within(OWNER, 'roughness', value, 0, Math.PI / 2, 'rad'),
+  environmentNodes: (value) => Math.round(within(OWNER, 'environmentNodes', value, 1, 256)),
+}

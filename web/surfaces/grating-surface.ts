@@ -1,0 +1,114 @@
+import { Matrix3, type IUniform } from 'three'
+import { DiffractionError } from '../errors'
+import { opticsShaders } from '../glsl/optics-shaders'
+import { constantOf, expectKind, type LoadedMap } from '../maps/load'
+import { gratingOptics } from '../spectrum/grating-optics'
+import { SHORTEST_WAVELENGTH } from '../spectrum/max-order'
+import { positive } from '../validation'
+import { profileUrl } from './profile'
+import type { Optics, OpticsSettings, Surface } from './surface'
+
+/** What gratings and maps of gratings have in common: one profile, one height, and a range of periods. */
+export abstract class GratingSurface implements Surface {
+  abstract readonly glsl: string
+  abstract readonly defines: Record<string, string | number>
+  abstract readonly uniforms: Record<string, IUniform>
+  abstract readonly isPartial: boolean
+  /** Shortest and longest period on the surface, µm. */
+  protected abstract readonly periodRange: readonly [number, number]
+
+  readonly glslFiles = opticsShaders
+  #version = 0
+  #height: number
+  #profile: string
+  /** The largest phase of the profile's table, rad; known once a material has loaded it. */
+  #maxPhase = Infinity
+
+  constructor(
+    readonly name: string,
+    height: number,
+    profile: string,
+  ) {
+    this.#height = positive(name, 'height', height, 'µm')
+    profileUrl(name, profile, '')
+    this.#profile = profile
+  }
+
+  get version(): number {
+    return this.#version
+  }
+
+  /** Height h0 of the relief from its lowest to its highest point, µm. */
+  get height(): number {
+    return this.#height
+  }
+
+  set height(value: number) {
+    this.#checkPhase(positive(this.name, 'height', value, 'µm'))
+    this.#height = value
+    this.changed()
+  }
+
+  /** A baked profile's name, or the address of a map of kind 'profile' without extension. */
+  get profile(): string {
+    return this.#profile
+  }
+
+  set profile(value: string) {
+    profileUrl(this.name, value, '')
+    if (value === this.#profile) return
+    this.#profile = value
+    // Another table may reach further, or less far; its own check follows when it is loaded.
+    this.#maxPhase = Infinity
+    this.changed()
+  }
+
+  tables(settings: OpticsSettings, mapsPath: string): Record<string, string> {
+    return {
+      profile: profileUrl(this.name, this.#profile, mapsPath),
+      lobes: settings.illuminant.includes('/')
+        ? settings.illuminant
+        : `${mapsPath}lobes-${settings.observer}-${settings.illuminant}`,
+      metals: `${mapsPath}metals`,
+    }
+  }
+
+  optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
+    const { profile, lobes, metals } = tables
+    if (!profile || !lobes || !metals)
+      throw new DiffractionError({
+        file: this.name,
+        field: 'tables',
+        value: Object.keys(tables),
+        expected: 'profile, lobes and metals',
+      })
+    expectKind(profile, 'profile')
+    expectKind(lobes, 'lobes')
+    expectKind(metals, 'metals')
+    this.#maxPhase = constantOf(profile, 'max_phase')[0]!
+    this.#checkPhase(this.#height)
+    const { defines, uniforms } = gratingOptics(
+      { profile, lobes, metals },
+      { ...settings, height: this.#height, period: this.periodRange },
+    )
+    const xyzToRgb = new Matrix3().fromArray(constantOf(lobes, 'xyz_to_rgb')).transpose()
+    return { defines, uniforms: { ...uniforms, uXyzToRgb: { value: xyzToRgb } } }
+  }
+
+  /** To be called after a change that reaches beyond the surface's own uniforms. */
+  protected changed(): void {
+    this.#version++
+  }
+
+  /** φ = 2π w h0 / λ is largest at the shortest wavelength and at w = 2, light and viewer both on the normal. */
+  #checkPhase(height: number): void {
+    const highest = (this.#maxPhase * SHORTEST_WAVELENGTH) / (4 * Math.PI)
+    if (height > highest)
+      throw new DiffractionError({
+        file: this.name,
+        field: 'height',
+        value: height,
+        expected: `at most ${highest.toPrecision(4)} µm, which the table of profile '${this.#profile}' covers`,
+      })
+  }
+}

@@ -1,0 +1,70 @@
+import type { IUniform } from 'three'
+import type { LoadedMap } from '../maps/load'
+
+export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
+export type Metal = (typeof METALS)[number]
+
+export const ENERGIES = ['conserving', 'reciprocal', 'kirchhoff'] as const
+export type Energy = (typeof ENERGIES)[number]
+
+export const METHODS = ['closed-form', 'wavelength-loop'] as const
+export type Method = (typeof METHODS)[number]
+
+export const EFFICIENCIES = ['table', 'taylor'] as const
+export type Efficiencies = (typeof EFFICIENCIES)[number]
+
+export const OBSERVERS = ['1931-2', '2015-2'] as const
+export type Observer = (typeof OBSERVERS)[number]
+
+/** What a material asks of any surface's optics. */
+export interface OpticsSettings {
+  metal: Metal
+  /** A spectrum for which there is a map of lobes: 'D65', 'A', 'inverse-A', 'LED-B1' … */
+  illuminant: string
+  observer: Observer
+  energy: Energy
+  method: Method
+  /** Step of the wavelength loop, µm. */
+  wavelengthStep: number
+  efficiencies: Efficiencies
+  /** Standard deviation σ of the coherence window, µm. */
+  coherence: number
+  /** Standard deviation of the surface's tilt, rad. */
+  roughness: number
+  /** Nodes at which an order's arc of the environment is sampled. */
+  environmentNodes: number
+}
+
+/** What a surface adds to the shader program once its tables are there. */
+export interface Optics {
+  defines: Record<string, string | number>
+  uniforms: Record<string, IUniform>
+}
+
+/**
+ * A surface answers two questions, in one GLSL interface: the radiance from a light and the radiance from the
+ * environment. The material composes the answers and knows no optics; a surface knows none of three's lights.
+ */
+export interface Surface {
+  /** A short name for reports, such as 'grating'. */
+  readonly name: string
+  /**
+   * GLSL that defines `surfacePointAt` and, where DIFFRACTION is defined, `surfaceRadianceFromLight` and
+   * `surfaceRadianceFromEnvironment`.
+   */
+  readonly glsl: string
+  /** The files that this GLSL includes, by the name it uses. */
+  readonly glslFiles: Record<string, string>
+  /** Defines that belong to the surface itself. */
+  readonly defines: Record<string, string | number>
+  /** Uniforms that belong to the surface itself; shared by all materials that show it. */
+  readonly uniforms: Record<string, IUniform>
+  /** Whether the strength is below one anywhere, so that the matt base shows through. */
+  readonly isPartial: boolean
+  /** Counts the changes that reach beyond `uniforms`: materials compare it before they render. */
+  readonly version: number
+  /** The addresses of the tables that the optics need, by a name of the surface's own. */
+  tables(settings: OpticsSettings, mapsPath: string): Record<string, string>
+  /** Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface. */
+  optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics
+}

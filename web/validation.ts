@@ -1,0 +1,53 @@
+import { DiffractionError } from './errors'
+
+/** Returns the value if it is finite and above zero; `unit` goes into the error's text. */
+export function positive(owner: string, field: string, value: unknown, unit: string): number {
+  if (typeof value === 'number' && Number.isFinite(value) && value > 0) return value
+  throw new DiffractionError({
+    file: owner,
+    field,
+    value,
+    expected: `a finite number above 0${suffix(unit)}`,
+  })
+}
+
+/** Returns the value if it is a finite number in [min, max]. */
+export function within(
+  owner: string,
+  field: string,
+  value: unknown,
+  min: number,
+  max: number,
+  unit = '',
+): number {
+  if (typeof value === 'number' && Number.isFinite(value) && value >= min && value <= max)
+    return value
+  const range =
+    max === Infinity
+      ? min === -Infinity
+        ? 'a finite number'
+        : `a finite number not below ${min}`
+      : `a number from ${min} to ${max}`
+  throw new DiffractionError({ file: owner, field, value, expected: range + suffix(unit) })
+}
+
+/** Returns the value if it is one of the names. */
+export function oneOf<T extends string>(
+  owner: string,
+  field: string,
+  value: unknown,
+  names: readonly T[],
+): T {
+  const found = names.find((name) => name === value)
+  if (found !== undefined) return found
+  throw new DiffractionError({
+    file: owner,
+    field,
+    value,
+    expected: `one of ${names.map((name) => `'${name}'`).join(', ')}`,
+  })
+}
+
+function suffix(unit: string): string {
+  return unit === '' || unit === '1' ? '' : ` (${unit})`
+}
