@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from precompute.efficiencies import profile_map
 from precompute.errors import InputError
@@ -176,12 +175,12 @@ class ClosedForm:
         reach = np.sqrt(1 - direction[:, 1] ** 2)
         for m in range(-self.max_order, self.max_order + 1):
             step = abs(m) / self.grating.period / (reach + np.sign(m) * direction[:, 0])
-            beyond = ndtr((wavenumber - step) / width)
+            beyond = np.clip(0.5 + 0.4 * (wavenumber - step) / width, 0, 1)
             x = m / (self.grating.period * wavenumber) - direction[:, 0]
             cosine = np.sqrt(np.maximum(1 - x**2 - direction[:, 1] ** 2, 0))
             η = np.where(beyond > 0, self._efficiency(m, direction[:, 2] + cosine, wavenumber), 0)
-            split = (beyond > 1e-3) & (beyond < 1 - 1e-3)
-            full += np.where(beyond >= 1 - 1e-3, η, 0)
+            split = (beyond > 0) & (beyond < 1)
+            full += np.where(beyond >= 1, η, 0)
             partial, share = np.where(split, η, partial), np.where(split, beyond, share)
         return share / np.maximum(full + partial, 1e-4) + (1 - share) / np.maximum(full, 1e-4)
 

@@ -47,7 +47,7 @@ def delta_e2000(found_rgb: Array, reference_rgb: Array) -> Array:
     Returns:
         One number for each pixel whose reference is not dark, shape (lit,).
     """
-    lit = colour.RGB_luminance(reference_rgb) > DARK
+    lit = reference_rgb @ colour.RGB_COLOURSPACES["sRGB"].matrix_RGB_to_XYZ[1] > DARK
     pictures = [np.clip(rgb[lit], 0, 1) for rgb in (found_rgb, reference_rgb)]
     lab = [
         colour.XYZ_to_Lab(colour.RGB_to_XYZ(rgb, "sRGB", apply_cctf_decoding=False))

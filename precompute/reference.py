@@ -28,7 +28,7 @@ EXPONENT_CUT = 45.0
 """A lobe is taken as zero where its exponent is below −45: e^−45 = 3e-20 of the peak."""
 
 Environment = Callable[[Array], Array]
-"""Linear sRGB radiance (..., 3) for directions (..., 3) in the grating's frame."""
+"""Linear sRGB radiance (n, 3) for unit directions (n, 3)."""
 
 
 def propagating_orders(direction: Array, wavelength: ArrayLike, period: float) -> Array:
@@ -222,6 +222,7 @@ def environment_radiance(
     light: Light,
     wavelengths: Array = WAVELENGTHS,
     tilts: int = 1,
+    frame: Array | None = None,
 ) -> Array:
     """L_o = Σ_m ∫ S(λ) e_m(λ) L_env(ω_m(λ), λ) dλ, an arc of the environment per order.
 
@@ -231,10 +232,12 @@ def environment_radiance(
     Args:
         grating: The grating.
         wo: ω_o, shape (n, 3), above the horizon.
-        environment: Radiance by direction in the grating's frame.
+        environment: Radiance by direction.
         light: Illuminant of the environment and observer.
         wavelengths: A subset of `WAVELENGTHS` at equal steps, µm.
         tilts: Nodes per axis over ±3 standard deviations; 1 for a flat grating.
+        frame: Rows t, b, n of each grating's frame in the environment's axes, shape (n, 3, 3);
+            without it the environment takes directions in the grating's frame.
 
     Returns:
         XYZ radiance, shape (n, 3).
@@ -259,7 +262,10 @@ def environment_radiance(
             η = efficiency(grating.profile, order, 2 * np.pi * w * grating.height / λ)
             seen = np.zeros_like(wi)
             for offset, share in zip(offsets, shares, strict=True):
-                seen += share * environment(_moved(wi, w[:, None] * grating.roughness * offset))
+                moved = _moved(wi, w[:, None] * grating.roughness * offset)
+                if frame is not None:
+                    moved = np.einsum("ni,nij->nj", moved, frame[open_])
+                seen += share * environment(moved)
             e = reflectance(grating, λ) * energy_factor(grating, wi, w_o, λ) * η
             rgb[open_] += e[:, None] * seen
         result += step * (rgb @ basis[index])[:, None] * weights[index]

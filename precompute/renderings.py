@@ -16,9 +16,12 @@ from precompute.maps import Map
 from precompute.profiles import Profile
 from precompute.recipes import ProfileRecipe
 from precompute.reference import colour_brdf, environment_radiance
-from precompute.spectra import WAVELENGTHS, xyz_to_linear_srgb
+from precompute.spectra import xyz_to_linear_srgb
 
 Array = NDArray[np.float64]
+
+TILTS = 9
+"""Nodes per axis of a rough surface's tilts under an environment, over ±3 standard deviations."""
 
 LAYERS = ("position", "normal", "tangent", "grating", "uv")
 
@@ -177,8 +180,8 @@ def _lit_by_environment(
 ) -> Array:
     texels = rendering.environment
     assert texels is not None
-    to_world = np.array(rendering.view["viewMatrix"]).reshape(4, 4)[:3, :3]  # columns first: Vᵀ
-    intensity = rendering.view["environmentIntensity"]
+    view = np.array(rendering.view["viewMatrix"]).reshape(4, 4)[:3, :3].T  # stored by columns
+    environment = _Equirectangular(texels, rendering.view["environmentIntensity"])
     result = np.zeros((len(wo), 3))
     for start in range(0, len(wo), 512):
         part = slice(start, start + 512)
@@ -186,18 +189,29 @@ def _lit_by_environment(
         result[rows] = environment_radiance(
             grating,
             wo[rows],
-            _Equirectangular(texels, to_world, intensity, frame[rows]),
+            environment,
             rendering.light,
-            WAVELENGTHS,
-            tilts=9,
+            tilts=TILTS,
+            frame=frame[rows] @ view,
         )
     return result
 
 
 class _Equirectangular:
-    """Bilinear lookups in an environment by directions of many frames, as WebGL makes them."""
+    """Bilinear lookups by directions in the world, as WebGL makes them."""
 
-    def __init__(self, texels: Array, to_world: Array, intensity: float, frame: Array) -> None:
+    def __init__(self, texels: Array, intensity: float) -> None:
         self.texels = texels
         self.intensity = intensity
-        self.frame = frame @ to_world.T
+
+    def __call__(self, direction: Array) -> Array:
+        x, y, z = direction.T
+        height, width = self.texels.shape[:2]
+        column = (np.arctan2(z, x) / (2 * np.pi) + 0.5) * width - 0.5
+        row = np.clip((np.arcsin(np.clip(y, -1, 1)) / np.pi + 0.5) * height - 0.5, 0, height - 1)
+        i, j = np.floor(column).astype(int), np.minimum(np.floor(row).astype(int), height - 2)
+        s, t = (column - i)[:, None], (row - j)[:, None]
+        left, right = i % width, (i + 1) % width
+        low = (1 - s) * self.texels[j, left] + s * self.texels[j, right]
+        high = (1 - s) * self.texels[j + 1, left] + s * self.texels[j + 1, right]
+        return self.intensity * ((1 - t) * low + t * high)

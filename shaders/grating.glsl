@@ -25,62 +25,71 @@ vec3 lobeBlur(vec3 wi, float w, float angularRadius) {
 	);
 }
 
-// Σ over spectral nodes and over orders first to last of S e_m N(s(u, v) − (m/a, 0); C), XYZ in 1/sr: the direct sum,
-// for lobes wide enough that neighbouring nodes overlap.
-vec3 lobesByNodes(
-	highp sampler2D nodes, int count, vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 orders, vec3 tint
-) {
+#ifdef WAVELENGTH_LOOP
+// The seed's method: Σ over wavelengths and all orders of S e_m N(s(u, v) − (m/a, 0); C) ds, XYZ in 1/sr.
+vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) {
 	vec3 uvw = wi + wo;
 	vec3 xyz = vec3(0.0);
-	for (int i = 0; i < count; i++) {
-		SpectralNode node = spectralNode(nodes, i);
+	for (int i = 0; i < LIGHT_NODES; i++) {
+		SpectralNode node = spectralNode(uLightNodes, i);
 		float s = 1.0 / node.wavelength;
 		vec3 c = vec3(uWindowVariance, uWindowVariance, 0.0) + s * s * blur;
 		float determinant = c.x * c.y - c.z * c.z;
 		float phase = reliefPhase(uvw.z, s);
 		float sum = 0.0;
-		for (int m = orders.x; m <= orders.y; m++) {
+		for (int m = -MAX_ORDER; m <= MAX_ORDER; m++) {
 			vec2 f = s * uvw.xy - vec2(float(m) * frequency, 0.0);
 			float exponent = (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y) / (2.0 * determinant);
 			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * orderEfficiency(m, phase);
 		}
 		if (sum > 0.0) {
-			// dλ of the band times s² N = N ds.
+			// dλ of the band times s² N = N ds. A band of width B is a box: B/√12 its standard deviation.
 			float density = s * s * sum / (2.0 * PI * sqrt(determinant));
-			// A band of width B is a box: B/√12 its standard deviation, s² its scale in wavenumber.
 			float factor = energyFactor(wi, wo, s, 0.289 * s * s * node.bandwidth, frequency);
-			xyz += node.tints * tint * (node.reflectance * density * factor);
+			xyz += node.tints * tint * (density * factor);
 		}
 	}
 	return xyz;
 }
-
-#ifndef WAVELENGTH_LOOP
-// The orders whose lobes are narrow in wavenumber, each in closed form: with d = (u, v), g = (m/a, 0) and C the lobe's
-// covariance in spatial frequency, the exponent −½ (s d − g)ᵀ C⁻¹ (s d − g) is a Gaussian in s about
-// s* = dᵀC⁻¹g/dᵀC⁻¹d with variance q² = 1/dᵀC⁻¹d, times exp(−½ (g × d)²/(det C · dᵀC⁻¹d)). XYZ in 1/sr.
-vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 orders, vec3 tint) {
+#else
+// Lobes without a loop over the visible spectrum, XYZ in 1/sr. With d = (u, v), g = (m/a, 0) and C a lobe's covariance in
+// spatial frequency, its density over wavenumber is N(s d − g; C):
+// - narrow lobes, one an order: a Gaussian in s about s* = dᵀC⁻¹g/dᵀC⁻¹d with variance q² = 1/dᵀC⁻¹d, times
+//   exp(−½ (g × d)²/(det C · dᵀC⁻¹d)); the spectrum's average over it is a lookup.
+// - wide lobes (order 0 always is, where it is seen): a sum over few spectral nodes, of all orders at each.
+// Both share one loop body: a program that runs both sides of a branch, as software and divergent pixels do, pays once.
+vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 orders, bool wide, vec3 tint) {
 	vec3 uvw = wi + wo;
 	float u = uvw.x, v = uvw.y;
 	vec3 xyz = vec3(0.0);
-	for (int m = orders.x; m <= orders.y; m++) {
-		if (m == 0) continue;  // s* = 0: where order 0 is in reach, lobes are wide
+	int count = wide ? LIGHT_NODES : orders.y - orders.x + 1;
+	for (int k = 0; k < count; k++) {
+		int m = orders.x + k;
 		float g = float(m) * frequency;
-		// C depends on s through the blur; it is taken where the sharp lobe would have its middle.
-		float s = clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
+		vec4 node = nodeColor(uLightNodes, min(k, LIGHT_NODES - 1), tint);
+		// C depends on s through the blur; for a narrow lobe it is taken where the sharp one would have its middle.
+		float s = wide ? 1.0 / node.w : clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
 		vec3 c = vec3(uWindowVariance, uWindowVariance, 0.0) + s * s * blur;
 		float determinant = c.x * c.y - c.z * c.z;
-		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀ C⁻¹ d · det C
-		float exponent = 0.5 * g * g * v * v / adjugate;
-		if (exponent > EXPONENT_CUT) continue;
-		float width = sqrt(determinant / adjugate);
-		float middle = g * (c.y * u - c.z * v) / adjugate;
-		vec4 color = lobeColor(middle, width, tint);
-		float mean = color.w;
-		// √(2π) q / (2π √det C): the Gaussian in s is normalised in the table.
-		float density = width * exp(-exponent) / sqrt(2.0 * PI * determinant);
-		float efficiency = orderEfficiency(m, reliefPhase(uvw.z, mean)) * energyFactor(wi, wo, mean, width, frequency);
-		xyz += color.xyz * (metalReflectance(mean) * density * efficiency);
+		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀC⁻¹d · det C
+		float width = wide ? NODE_WIDTH * s * s : sqrt(determinant / adjugate);
+		vec4 color = vec4(node.xyz, s);
+		if (!wide) color = lobeColor(g * (c.y * u - c.z * v) / adjugate, width, tint);
+		float phase = reliefPhase(uvw.z, color.w);
+		float sum = 0.0;
+		ivec2 range = wide ? orders : ivec2(m);
+		for (int j = range.x; j <= range.y; j++) {
+			vec2 f = s * uvw.xy - vec2(float(j) * frequency, 0.0);
+			float exponent = wide
+				? 0.5 * (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y) / determinant
+				: 0.5 * g * g * v * v / adjugate;
+			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * orderEfficiency(j, phase);
+		}
+		// ds: a node's band is dλ = ds/s²; a Gaussian's is √(2π) q, which the table has divided out.
+		float ds = wide ? s * s : 2.5066283 * width;
+		float density = ds * sum / (2.0 * PI * sqrt(determinant));
+		float factor = energyFactor(wi, wo, color.w, width, frequency);
+		xyz += color.xyz * (density * factor);
 	}
 	return xyz;
 }
@@ -100,8 +109,7 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	vec3 uvw = i + o;
 	vec3 blur = lobeBlur(i, uvw.z, light.angularRadius);
 	#ifdef WAVELENGTH_LOOP
-	ivec2 orders = ivec2(-MAX_ORDER, MAX_ORDER);
-	return i.z * lobesByNodes(uLightNodes, LIGHT_NODES, i, o, blur, p.frequency, orders, light.color);
+	return i.z * lobesByWavelength(i, o, blur, p.frequency, light.color);
 	#else
 	// A pixel far from the line v = 0 sees no order at any visible wavelength: the lobe is widest at the longest one.
 	float sLow = WAVENUMBER_MIN, sHigh = WAVENUMBER_MAX;
@@ -120,11 +128,7 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	range = clamp(range, -float(MAX_ORDER), float(MAX_ORDER));
 	ivec2 orders = ivec2(ceil(range.x), floor(range.y));
 	if (orders.x > orders.y) return vec3(0.0);
-	return i.z * (
-		wide
-			? lobesByNodes(uLightNodes, LIGHT_NODES, i, o, blur, p.frequency, orders, light.color)
-			: lobesInClosedForm(i, o, blur, p.frequency, orders, light.color)
-	);
+	return i.z * lobesInClosedForm(i, o, blur, p.frequency, orders, wide, light.color);
 	#endif // WAVELENGTH_LOOP
 }
 
@@ -166,7 +170,7 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 		#if !defined(ENERGY_KIRCHHOFF) && !defined(ENERGY_RECIPROCAL)
 		seen /= max(total, 1e-4);
 		#endif // ENERGY
-		xyz += node.reflectance * (node.tints * seen);
+		xyz += node.tints * seen;
 	}
 	return xyz;
 }

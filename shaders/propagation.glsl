@@ -18,11 +18,6 @@ float orderCosine(vec3 direction, float offset) {
 	return sqrt(max(1.0 - x * x - direction.y * direction.y, 0.0));
 }
 
-// Share of a standard normal below x. Logistic with a cubic term, within 1.5e-4 of the error function.
-float normalShare(float x) {
-	return 1.0 / (1.0 + exp(-x * (1.5976 + 0.070566 * x * x)));
-}
-
 // The mean of 1/N(ω, s) over a lobe, N = Σ η_j over the orders that propagate, each at its own phase depth.
 // Order j begins to propagate at s = |j|/a / (√(1 − ω_y²) + sgn(j) ω_x), where N steps; the order at whose step the lobe
 // lies counts for the share of the lobe beyond it. direction: ω; wavenumber, width: mean and standard deviation of
@@ -30,16 +25,17 @@ float normalShare(float x) {
 float reciprocalEfficiency(vec3 direction, float wavenumber, float width, float frequency) {
 	float reach = sqrt(max(1.0 - direction.y * direction.y, 0.0));
 	float shift = frequency / wavenumber;
-	ivec2 orders = propagatingOrders(direction, frequency / (wavenumber + 3.0 * width));
+	ivec2 orders = propagatingOrders(direction, frequency / (wavenumber + 1.25 * width));
 	float full = 0.0, partial = 0.0, share = 0.0;
 	for (int m = orders.x; m <= orders.y; m++) {
-		float step = frequency * abs(float(m)) / max(reach + sign(float(m)) * direction.x, 1e-6);
-		float beyond = normalShare(clamp((wavenumber - step) / width, -4.0, 4.0));
+		float room = max(reach + (m < 0 ? -direction.x : direction.x), 1e-6);
+		// A straight line of the normal distribution's slope at its middle: 0 and 1 at 1.25 standard deviations.
+		float beyond = 0.5 + 0.4 * (wavenumber - frequency * abs(float(m)) / room) / width;
 		float w = direction.z + orderCosine(direction, float(m) * shift);
 		float efficiency = orderEfficiency(m, reliefPhase(w, wavenumber));
-		if (beyond > 0.999) {
+		if (beyond >= 1.0) {
 			full += efficiency;
-		} else if (beyond > 0.001) {
+		} else if (beyond > 0.0) {
 			partial = efficiency;
 			share = beyond;
 		}

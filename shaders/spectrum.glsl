@@ -1,48 +1,53 @@
-// Spectra, as the tables of precompute/lobes.py hold them. Wavelengths λ in µm, wavenumbers s = 1/λ in 1/µm.
+// Spectra, as the tables of precompute/lobes.py hold them, seen in the metal: colours come multiplied by its reflectance.
+// Wavelengths λ in µm, wavenumbers s = 1/λ in 1/µm.
 
-uniform highp sampler2DArray uLobeTable;  // layers white, red, green: X, Y, Z, mean wavenumber over (position, log width)
-uniform highp sampler2D uMetalTable;      // reflectance of four metals over wavenumber
-uniform vec4 uMetal;                      // which of the four: one 1, three 0
+uniform highp sampler2D uLobeTable;  // X, Y, Z, mean wavenumber over (position, log width); white, red, green, one above the other
 
 // A node stands for a band of the spectrum.
 struct SpectralNode {
 	float wavelength;   // µm, where the band's weight has its middle
 	float bandwidth;    // µm
-	float reflectance;  // of the metal there
-	mat3 tints;         // XYZ of the band in light of the red, green and blue basis; the sum over nodes is white
+	mat3 tints;         // XYZ of the band in light of the red, green and blue basis
 };
 
-// Node `index` of a texture of one column a node; its rows: XYZ of white and λ, then of red and bandwidth, green and
-// reflectance, blue.
+// Node `index` of a texture of one column a node; its rows: XYZ of white and λ, then of red and bandwidth, green, blue.
 SpectralNode spectralNode(highp sampler2D nodes, int index) {
 	vec4 white = texelFetch(nodes, ivec2(index, 0), 0);
 	vec4 red = texelFetch(nodes, ivec2(index, 1), 0);
 	vec4 green = texelFetch(nodes, ivec2(index, 2), 0);
 	vec4 blue = texelFetch(nodes, ivec2(index, 3), 0);
-	return SpectralNode(white.w, red.w, green.w, mat3(red.xyz, green.xyz, blue.xyz));
+	return SpectralNode(white.w, red.w, mat3(red.xyz, green.xyz, blue.xyz));
 }
 
-// R(s) of the metal at normal incidence. wavenumber: 1/µm, held within the visible range.
-float metalReflectance(float wavenumber) {
-	float x = clamp((wavenumber - WAVENUMBER_MIN) / (WAVENUMBER_MAX - WAVENUMBER_MIN), 0.0, 1.0);
-	float u = (0.5 + x * float(METAL_TEXELS - 1)) / float(METAL_TEXELS);
-	return dot(textureLod(uMetalTable, vec2(u, 0.5), 0.0), uMetal);
+// XYZ of a node's band in light of that tint, and its wavelength in µm (w).
+vec4 nodeColor(highp sampler2D nodes, int index, vec3 tint) {
+	vec4 white = texelFetch(nodes, ivec2(index, 0), 0);
+	#ifdef TINTED
+	mat3 tints = mat3(
+		texelFetch(nodes, ivec2(index, 1), 0).xyz,
+		texelFetch(nodes, ivec2(index, 2), 0).xyz,
+		texelFetch(nodes, ivec2(index, 3), 0).xyz
+	);
+	return vec4(tints * tint, white.w);
+	#else
+	return vec4(white.xyz * tint.g, white.w);  // grey: the three are equal
+	#endif // TINTED
 }
 
-// Colour (XYZ, a mirror's Y = 1) and mean wavenumber (w, 1/µm) of a lobe that is a Gaussian in wavenumber, normalised
+// Colour (XYZ, white light's Y = 1) and mean wavenumber (w, 1/µm) of a lobe that is a Gaussian in wavenumber, normalised
 // to 1: precompute/lobes.py, T(s*, q). wavenumber: s*, 1/µm, of any sign; width: q, 1/µm, within the table;
 // tint: linear sRGB of the light.
 vec4 lobeColor(float wavenumber, float width, vec3 tint) {
 	float low = WAVENUMBER_MIN - LOBE_MARGIN * width;
 	float x = (wavenumber - low) / (WAVENUMBER_MAX - WAVENUMBER_MIN + 2.0 * LOBE_MARGIN * width);
 	if (x < 0.0 || x > 1.0) return vec4(0.0, 0.0, 0.0, WAVENUMBER_MIN);
-	float y = log(width / LOBE_WIDTH_MIN) / log(LOBE_WIDTH_MAX / LOBE_WIDTH_MIN);
-	vec2 texels = vec2(LOBE_POSITIONS, LOBE_WIDTHS);
-	vec2 uv = (0.5 + vec2(x, clamp(y, 0.0, 1.0)) * (texels - 1.0)) / texels;
-	vec4 white = textureLod(uLobeTable, vec3(uv, 0.0), 0.0);
+	float y = clamp(log(width / LOBE_WIDTH_MIN) / log(LOBE_WIDTH_MAX / LOBE_WIDTH_MIN), 0.0, 1.0);
+	vec2 texels = vec2(LOBE_POSITIONS, 3.0 * LOBE_WIDTHS);
+	vec2 uv = (0.5 + vec2(x * (LOBE_POSITIONS - 1.0), y * (LOBE_WIDTHS - 1.0))) / texels;
+	vec4 white = textureLod(uLobeTable, uv, 0.0);
 	#ifdef TINTED
-	vec4 red = textureLod(uLobeTable, vec3(uv, 1.0), 0.0);
-	vec4 green = textureLod(uLobeTable, vec3(uv, 2.0), 0.0);
+	vec4 red = textureLod(uLobeTable, uv + vec2(0.0, 1.0 / 3.0), 0.0);
+	vec4 green = textureLod(uLobeTable, uv + vec2(0.0, 2.0 / 3.0), 0.0);
 	vec3 blue = max(white.xyz - red.xyz - green.xyz, 0.0);  // rounding of halves may leave −1e-4
 	vec3 xyz = mat3(red.xyz, green.xyz, blue) * tint;
 	// Energies and first moments are linear in the tint, the mean is their ratio.

@@ -1,6 +1,5 @@
 import {
   ClampToEdgeWrapping,
-  DataArrayTexture,
   DataTexture,
   FloatType,
   HalfFloatType,
@@ -25,7 +24,6 @@ const TYPES: Record<Dtype, TextureDataType> = {
 }
 
 const tables = new WeakMap<MapArray, DataTexture>()
-const layered = new WeakMap<MapArray, DataArrayTexture>()
 const images = new WeakMap<MapArray, DataTexture>()
 
 /** A table of two axes as a texture: the faster axis along x, linear between texels. Made once an array. */
@@ -33,16 +31,6 @@ export function tableTexture(map: LoadedMap, name: string): DataTexture {
   return once(tables, arrayOf(map, name), (array) => {
     const [height, width] = sizes(map, name, array, 3)
     const texture = new DataTexture(array.data, width, height, formatOf(map, name, array))
-    return finish(texture, array)
-  })
-}
-
-/** A table of three axes as an array texture: the slowest axis is the layer. Made once an array. */
-export function tableArrayTexture(map: LoadedMap, name: string): DataArrayTexture {
-  return once(layered, arrayOf(map, name), (array) => {
-    const [layers, height, width] = sizes(map, name, array, 4)
-    const texture = new DataArrayTexture(array.data, width, height, layers)
-    texture.format = formatOf(map, name, array)
     return finish(texture, array)
   })
 }
@@ -97,7 +85,7 @@ function formatOf(map: LoadedMap, name: string, { spec }: MapArray): PixelFormat
   })
 }
 
-function finish<T extends DataTexture | DataArrayTexture>(texture: T, { spec }: MapArray): T {
+function finish(texture: DataTexture, { spec }: MapArray): DataTexture {
   texture.type = TYPES[spec.dtype]
   texture.colorSpace = NoColorSpace
   texture.minFilter = texture.magFilter = LinearFilter

@@ -1,9 +1,9 @@
-import { DataUtils, Vector4 } from 'three'
-import { texelFromParameter } from '../maps/axes'
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
-import { tableArrayTexture, tableTexture } from '../maps/upload'
-import { METALS, type Metal, type Optics, type OpticsSettings } from '../surfaces/surface'
+import { tableTexture } from '../maps/upload'
+import type { Optics, OpticsSettings } from '../surfaces/surface'
+import { lobeTexture } from './lobe-texture'
 import { maxOrder } from './max-order'
+import { metalReflectance } from './metal-reflectance'
 import { nodesTexture, spectralNodes } from './spectral-nodes'
 
 /** The tables that a grating's optics read. */
@@ -47,7 +47,7 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     settings.environmentNodes,
     isLoop ? 'uniform' : 'weighted',
   )
-  const reflectance = reflectanceOf(metals, settings.metal)
+  const reflectance = metalReflectance(metals, settings.metal)
   const defines: Record<string, string | number> = {
     MAX_ORDER: isTaylor ? 2 : maxOrder(profile, settings.period[1], settings.height),
     TABLE_ORDER: orders!.last,
@@ -60,8 +60,9 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     LOBE_MARGIN: glslFloat(constantOf(lobes, 'margin')[0]!),
     WAVENUMBER_MIN: glslFloat(constantOf(lobes, 'wavenumber_min')[0]!),
     WAVENUMBER_MAX: glslFloat(constantOf(lobes, 'wavenumber_max')[0]!),
-    METAL_TEXELS: arrayOf(metals, 'reflectance').spec.axes[1]!.size,
     LIGHT_NODES: lightNodes.length,
+    // Standard deviation of a node's band, a box, in µm; times s² it is one in wavenumber.
+    NODE_WIDTH: glslFloat(VISIBLE / lightNodes.length / Math.sqrt(12)),
     ENVIRONMENT_NODES: environmentNodes.length,
     // The papers' methods read the environment unfiltered.
     ARC_FILTER: glslFloat(isLoop ? 0 : ARC_FILTER),
@@ -75,28 +76,12 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     uniforms: {
       uEfficiencyTable: { value: tableTexture(profile, 'efficiency') },
       uGratingHeight: { value: settings.height },
-      uLobeTable: { value: tableArrayTexture(lobes, 'lobe') },
-      uMetalTable: { value: tableTexture(metals, 'reflectance') },
-      uMetal: { value: new Vector4().fromArray(METALS.map((m) => (m === settings.metal ? 1 : 0))) },
+      uLobeTable: { value: lobeTexture(lobes, reflectance) },
       uWindowVariance: { value: 1 / (8 * Math.PI ** 2 * settings.coherence ** 2) },
       uRoughness: { value: settings.roughness },
       uLightNodes: { value: nodesTexture(lightNodes, reflectance) },
       uEnvironmentNodes: { value: nodesTexture(environmentNodes, reflectance) },
     },
-  }
-}
-
-/** R(λ) of a metal from its table, linear between texels; λ in µm. */
-function reflectanceOf(metals: LoadedMap, metal: Metal): (wavelength: number) => number {
-  const { spec, data } = arrayOf(metals, 'reflectance')
-  const axis = spec.axes[1]!
-  const channel = METALS.indexOf(metal)
-  const at = (texel: number): number =>
-    DataUtils.fromHalfFloat(data[texel * METALS.length + channel]!)
-  return (wavelength) => {
-    const texel = Math.min(Math.max(texelFromParameter(axis, 1 / wavelength), 0), axis.size - 1)
-    const low = Math.min(Math.floor(texel), axis.size - 2)
-    return at(low) + (at(low + 1) - at(low)) * (texel - low)
   }
 }
 

@@ -54,7 +54,7 @@ export function spectralNodes(
 }
 
 /**
- * Nodes as the texture that shaders/spectrum.glsl reads: a column a node, four rows.
+ * Nodes as the texture that shaders/spectrum.glsl reads: a column a node, four rows, seen in a metal.
  *
  * @param reflectance - R(λ) of the metal, λ in µm
  */
@@ -63,12 +63,13 @@ export function nodesTexture(
   reflectance: (wavelength: number) => number,
 ): DataTexture {
   const rows = new Float32Array(nodes.length * 4 * 4)
-  nodes.forEach(({ wavelength, bandwidth, tints }, i) => {
+  nodes.forEach(({ wavelength, bandwidth, tints: lit }, i) => {
+    const tints = lit.map((value) => value * reflectance(wavelength))
     const white = [0, 1, 2].map((c) => tints[c]! + tints[c + 3]! + tints[c + 6]!)
     const columns = [
       [...white, wavelength],
       [...tints.slice(0, 3), bandwidth],
-      [...tints.slice(3, 6), reflectance(wavelength)],
+      [...tints.slice(3, 6), 0],
       [...tints.slice(6, 9), 0],
     ]
     columns.forEach((texel, row) => rows.set(texel, (row * nodes.length + i) * 4))
