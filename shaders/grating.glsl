@@ -88,7 +88,7 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 		// ds: a node's band is dλ = ds/s²; a Gaussian's is √(2π) q, which the table has divided out.
 		float ds = wide ? s * s : 2.5066283 * width;
 		float density = ds * sum / (2.0 * PI * sqrt(determinant));
-		float factor = energyFactor(wi, wo, color.w, width, frequency);
+		float factor = density > 0.0 ? energyFactor(wi, wo, color.w, width, frequency) : 0.0;
 		xyz += color.xyz * (density * factor);
 	}
 	return xyz;

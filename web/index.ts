@@ -2,13 +2,13 @@ export { DiffractionError, type DiffractionErrorDetails } from './errors'
 export { loadSharedMap } from './maps/cache'
 export { loadMap, valuesOf, type LoadedMap, type MapArray } from './maps/load'
 export { DiffractionMaterial } from './materials/DiffractionMaterial'
-export type { Feature } from './materials/features'
 export type { DiffractionMaterialOptions, Gamut } from './materials/options'
 export { Foil, type FoilOptions } from './surfaces/foil'
 export { Grating, type GratingOptions, type Tracks } from './surfaces/grating'
 export type {
   Efficiencies,
   Energy,
+  Feature,
   Metal,
   Method,
   Observer,

@@ -25,6 +25,7 @@ import { fragmentShader, vertexShader } from '../glsl/material-shaders'
 import type {
   Efficiencies,
   Energy,
+  Feature,
   Metal,
   Method,
   Observer,
@@ -34,7 +35,7 @@ import type {
 } from '../surfaces/surface'
 import { oneOf, within } from '../validation'
 import { checkEnvironment, environmentMap } from './environment-map'
-import { describeFeatures, type Feature } from './features'
+import { describeFeatures } from './features'
 import { assertLightLoops } from './light-order'
 import { OpticsLoader } from './optics-loader'
 import {
@@ -92,6 +93,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   #applied: OpticsSettings | null = null
   #opticsDefines: string[] = []
   #opticsUniforms: string[] = []
+  #opticsFeatures: readonly Feature[] = []
+  #environmentRepaired = 0
   #surface: Surface
   #surfaceVersion = -1
   #mapsPath: string
@@ -335,7 +338,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   explain(): Feature[] {
     return describeFeatures({
       defines: this.defines,
-      opticsDefines: this.#opticsDefines,
+      opticsFeatures: this.#opticsFeatures,
+      environmentRepaired: this.#environmentRepaired,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
       opticsError: this.#optics.error,
@@ -467,7 +471,8 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.needsUpdate = true
   }
 
-  #apply({ defines, uniforms }: Optics): void {
+  #apply({ defines, uniforms, features }: Optics): void {
+    this.#opticsFeatures = features
     for (const [name, { value }] of Object.entries(uniforms)) {
       const uniform = (this.uniforms[name] ??= { value: null })
       // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
@@ -507,6 +512,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     const environment = given === null ? null : environmentMap(given)
     this.#setDefine('ENVIRONMENT_EQUIRECT', environment !== null && !environment.isCube)
     this.#setDefine('ENVIRONMENT_CUBE', environment?.isCube === true)
+    this.#environmentRepaired = environment?.repaired ?? 0
     if (environment === null) return
     const { texture, isCube, texel } = environment
     const euler = isOwn ? this.envMapRotation : scene.environmentRotation

@@ -4,11 +4,13 @@ import {
   LinearFilter,
   LinearMipmapLinearFilter,
   RepeatWrapping,
+  TextureSource,
   UVMapping,
   type CubeTexture,
   type Texture,
 } from 'three'
 import { DiffractionError } from '../errors'
+import { lightTexels } from './light-texels'
 
 /** A texture of the environment in a form the shader can sample at any mip level. */
 export interface EnvironmentMap {
@@ -16,6 +18,8 @@ export interface EnvironmentMap {
   isCube: boolean
   /** Angle between two texels of level 0, rad. */
   texel: number
+  /** Channels that held what light cannot be, and were repaired. */
+  repaired: number
 }
 
 interface Copy {
@@ -29,8 +33,7 @@ const originals = new WeakMap<Texture, Texture>()
 
 /**
  * An environment as the shader wants it: mip levels, linear filters, an equirectangular one repeating along u.
- * Where the texture given differs (a loaded HDR image has no mip levels), a copy is made that shares its image,
- * and the texture given is left as it is. Null as long as the image is not loaded.
+ * A copy is made that shares its image where nothing in it needs repair, and the texture given is left as it is. Null as long as the image is not loaded.
  */
 export function environmentMap(given: Texture): EnvironmentMap | null {
   const texture = originals.get(given) ?? given
@@ -46,13 +49,15 @@ export function environmentMap(given: Texture): EnvironmentMap | null {
         texture: texture.isRenderTargetTexture ? texture : filteredCopy(texture, isCube),
         isCube,
         texel: 0,
+        repaired: 0,
       },
-      version: texture.version,
+      version: -1,
     }
     copies.set(texture, copy)
   }
-  if (copy.version !== texture.version) {
+  if (copy.version !== texture.version && !texture.isRenderTargetTexture) {
     copy.version = texture.version
+    copy.map.repaired = takeImage(copy.map.texture, texture)
     copy.map.texture.needsUpdate = true
   }
   copy.map.texel = isCube ? Math.PI / 2 / size : Math.PI / size
@@ -74,6 +79,17 @@ function filteredCopy(texture: Texture, isCube: boolean): Texture {
     copy.dispose()
   })
   return copy
+}
+
+/** Gives the copy the original's image, repaired where it needs to be; returns how many channels were. */
+function takeImage(copy: Texture, original: Texture): number {
+  copy.source = original.source
+  const image = original.image as { data?: unknown } | null
+  const data = image?.data
+  if (!(data instanceof Float32Array || data instanceof Uint16Array)) return 0
+  const light = lightTexels(data)
+  if (light.changed > 0) copy.source = new TextureSource({ ...image, data: light.data })
+  return light.changed
 }
 
 /** Refuses textures that hold no plain environment. */

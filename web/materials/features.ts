@@ -1,17 +1,13 @@
 import type { Texture } from 'three'
 import type { DiffractionError } from '../errors'
-
-/** One thing the shader can do, whether it is compiled in, and why. */
-export interface Feature {
-  feature: string
-  included: boolean
-  why: string
-}
+import type { Feature } from '../surfaces/surface'
 
 interface MaterialState {
   defines: Record<string, unknown>
-  /** Names of the defines that came from the surface's optics. */
-  opticsDefines: string[]
+  /** What the surface's optics say of themselves. */
+  opticsFeatures: readonly Feature[]
+  /** Channels of the environment that held what light cannot be. */
+  environmentRepaired: number
   diffraction: boolean
   opticsState: 'loading' | 'ready' | 'failed'
   opticsError: DiffractionError | null
@@ -61,15 +57,17 @@ export function describeFeatures(state: MaterialState): Feature[] {
       'the environment is a cube texture',
       'there is none of that kind',
     ),
+    choose(
+      'repair of the environment',
+      state.environmentRepaired > 0,
+      `${state.environmentRepaired} channels were negative, infinite or no number`,
+      'all its texels are light',
+    ),
     choose('gamut mapping', state.gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
     ...Object.entries(state.textures).map(([name, texture]) =>
       choose(name, texture !== null, 'a texture is set', 'no texture is set'),
     ),
-    ...state.opticsDefines.map((name) => ({
-      feature: name,
-      included: isIn(name),
-      why: `asked for by the optics of ${state.surfaceName}, with value ${String(state.defines[name])}`,
-    })),
+    ...state.opticsFeatures,
   ]
 }
 

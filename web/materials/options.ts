@@ -58,7 +58,7 @@ export const DEFAULT_SETTINGS: Readonly<OpticsSettings> = {
   efficiencies: 'table',
   coherence: 16.25,
   roughness: 0,
-  environmentNodes: 8,
+  environmentNodes: 12,
 }
 
 const OWNER = 'DiffractionMaterial'
@@ -79,5 +79,6 @@ export const SETTING_CHECKS: {
   efficiencies: (value) => oneOf(OWNER, 'efficiencies', value, EFFICIENCIES),
   coherence: (value) => positive(OWNER, 'coherence', value, 'µm'),
   roughness: (value) => within(OWNER, 'roughness', value, 0, Math.PI / 2, 'rad'),
-  environmentNodes: (value) => Math.round(within(OWNER, 'environmentNodes', value, 1, 256)),
+  // 401 are the spectra's own nanometres; more would only repeat them.
+  environmentNodes: (value) => Math.round(within(OWNER, 'environmentNodes', value, 1, 401)),
 }

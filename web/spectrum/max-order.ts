@@ -1,12 +1,17 @@
+import { DataUtils } from 'three'
 import { texelFromParameter } from '../maps/axes'
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
-import { DataUtils } from 'three'
 
-/** The shortest wavelength that is seen, µm. */
+/** The shortest visible wavelength, µm: where the phase of a relief is largest and most orders propagate. */
 export const SHORTEST_WAVELENGTH = 0.38
 
 /** An order that never takes more than this share of the light is not shown. */
 const NEGLIGIBLE = 1e-4
+
+/** The largest |m| that any light can be sent into: u = mλ/a is at most 2. period: µm. */
+export function propagatingOrder(period: number): number {
+  return Math.floor((2 * period) / SHORTEST_WAVELENGTH)
+}
 
 /**
  * The largest |m| that a surface shows: it can propagate (u = mλ/a ≤ 2), its profile's table has it, and at the
@@ -18,7 +23,6 @@ const NEGLIGIBLE = 1e-4
  */
 export function maxOrder(profile: LoadedMap, period: number, height: number): number {
   const tableOrder = constantOf(profile, 'max_order')[0]!
-  const propagating = Math.floor((2 * period) / SHORTEST_WAVELENGTH)
   const { spec, data } = arrayOf(profile, 'efficiency')
   const phases = spec.axes[1]!
   const largestPhase = (2 * Math.PI * 2 * height) / SHORTEST_WAVELENGTH
@@ -29,7 +33,7 @@ export function maxOrder(profile: LoadedMap, period: number, height: number): nu
     for (let i = row; i < row + used; i++) most = Math.max(most, DataUtils.fromHalfFloat(data[i]!))
     return most
   }
-  let order = Math.min(tableOrder, propagating)
+  let order = Math.min(tableOrder, propagatingOrder(period))
   while (order > 0 && Math.max(largest(order), largest(-order)) < NEGLIGIBLE) order--
   return order
 }

@@ -45,8 +45,7 @@ export function spectralNodes(
     const low = edges[i]!
     const high = edges[i + 1]!
     return {
-      wavelength:
-        placement === 'uniform' ? (low + high) / 2 : centroid(cumulative, low, high),
+      wavelength: placement === 'uniform' ? (low + high) / 2 : centroid(cumulative, low, high),
       bandwidth: high - low,
       tints: above.map((value, c) => value - totals[i]![c]!),
     }
@@ -72,7 +71,9 @@ export function nodesTexture(
       [...tints.slice(3, 6), 0],
       [...tints.slice(6, 9), 0],
     ]
-    columns.forEach((texel, row) => rows.set(texel, (row * nodes.length + i) * 4))
+    columns.forEach((texel, row) => {
+      rows.set(texel, (row * nodes.length + i) * 4)
+    })
   })
   const texture = new DataTexture(rows, nodes.length, 4, RGBAFormat, FloatType)
   texture.minFilter = texture.magFilter = NearestFilter
@@ -109,18 +110,20 @@ function weightedEdges(lobes: LoadedMap, count: number): number[] {
   )
   return Array.from({ length: count + 1 }, (_, i) => {
     const target = i / count
-    const above = Math.min(Math.max(share.findIndex((s) => s >= target), 1), last)
+    const above = Math.min(
+      Math.max(
+        share.findIndex((s) => s >= target),
+        1,
+      ),
+      last,
+    )
     const t = (target - share[above - 1]!) / (share[above]! - share[above - 1]!)
     return parameterFromTexel(axis, above - 1 + t)
   })
 }
 
 /** ∫ λ dW / ∫ dW over a band, by parts: high − ∫ (W(λ) − W(low)) dλ / (W(high) − W(low)). */
-function centroid(
-  cumulative: (wavelength: number) => number[],
-  low: number,
-  high: number,
-): number {
+function centroid(cumulative: (wavelength: number) => number[], low: number, high: number): number {
   const total = (wavelength: number): number =>
     cumulative(wavelength).reduce((sum, value) => sum + value, 0)
   const steps = 64
@@ -128,7 +131,6 @@ function centroid(
   const weight = total(high) - start
   if (weight <= 0) return (low + high) / 2
   let area = 0
-  for (let i = 0; i < steps; i++)
-    area += total(low + ((high - low) * (i + 0.5)) / steps) - start
+  for (let i = 0; i < steps; i++) area += total(low + ((high - low) * (i + 0.5)) / steps) - start
   return high - (((high - low) / steps) * area) / weight
 }

@@ -35,8 +35,17 @@ export interface OpticsSettings {
   environmentNodes: number
 }
 
+/** One thing the shader can do, whether it is compiled in, and why. */
+export interface Feature {
+  feature: string
+  included: boolean
+  why: string
+}
+
 /** What a surface adds to the shader program once its tables are there. */
 export interface Optics {
+  /** What of the optics is in the program, what is left out, and why. */
+  features: readonly Feature[]
   defines: Record<string, string | number>
   uniforms: Record<string, IUniform>
 }
