@@ -1,0 +1,118 @@
+import { DataUtils } from 'three'
+import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest'
+import { constantOf, loadMap, type LoadedMap } from '../../web/maps/load'
+import { lobeTexture } from '../../web/spectrum/lobe-texture'
+import { maxOrder } from '../../web/spectrum/max-order'
+import { metalReflectance } from '../../web/spectrum/metal-reflectance'
+import { nodesTexture, spectralNodes, type Placement } from '../../web/spectrum/spectral-nodes'
+import { serveBakedMaps } from './baked-maps'
+
+let lobes: LoadedMap
+let metals: LoadedMap
+let sinusoidal: LoadedMap
+let rectangular: LoadedMap
+
+beforeAll(async () => {
+  serveBakedMaps()
+  lobes = await loadMap('maps/baked/lobes-1931-2-D65')
+  metals = await loadMap('maps/baked/metals')
+  sinusoidal = await loadMap('maps/baked/profile-sinusoidal')
+  rectangular = await loadMap('maps/baked/profile-rectangular')
+})
+
+afterAll(() => {
+  vi.unstubAllGlobals()
+})
+
+describe('spectral nodes', () => {
+  const cases: [number, Placement][] = [
+    [1, 'weighted'],
+    [12, 'weighted'],
+    [28, 'weighted'],
+    [21, 'uniform'],
+    [401, 'uniform'],
+  ]
+
+  it.each(cases)('%s of them, %s, add up to white', (count, placement) => {
+    const nodes = spectralNodes(lobes, count, placement)
+    expect(nodes).toHaveLength(count)
+    const white = [0, 1, 2].map((c) =>
+      nodes.reduce((sum, { tints }) => sum + tints[c]! + tints[c + 3]! + tints[c + 6]!, 0),
+    )
+    constantOf(lobes, 'white_xyz').forEach((expected, c) => {
+      // The three tint bases add up to 1 within 1e-5.
+      expect(white[c]).toBeCloseTo(expected, 4)
+    })
+  })
+
+  it.each(cases)('%s of them, %s, cover the visible range side by side', (count, placement) => {
+    let edge = 0.3795
+    for (const { wavelength, bandwidth } of spectralNodes(lobes, count, placement)) {
+      expect(wavelength).toBeGreaterThan(edge)
+      expect(wavelength).toBeLessThan(edge + bandwidth)
+      edge += bandwidth
+    }
+    expect(edge).toBeCloseTo(0.7805, 9)
+  })
+
+  it('have the first moment of the spectrum, so that a linear function is summed exactly', () => {
+    const energy = (tints: number[]): number => tints.reduce((a, b) => a + b, 0)
+    const moment = (count: number, placement: Placement): number =>
+      spectralNodes(lobes, count, placement).reduce(
+        (sum, { wavelength, tints }) => sum + wavelength * energy(tints),
+        0,
+      )
+    // Uniform nodes of 1 nm are the data's own; 6 nodes at the middle of their bands would be off by 1e-3.
+    expect(moment(6, 'weighted')).toBeCloseTo(moment(401, 'uniform'), 4)
+  })
+
+  it('come with the reflectance of the metal in their texture', () => {
+    const nodes = spectralNodes(lobes, 3, 'uniform')
+    const { data } = nodesTexture(nodes, (wavelength) => 10 * wavelength).image as {
+      data: Float32Array
+    }
+    const blueOfLastNode = data[(3 * 3 + 2) * 4 + 2]
+    const { wavelength, tints } = nodes[2]!
+    expect(blueOfLastNode).toBeCloseTo(tints[8]! * 10 * wavelength, 6)
+    expect(data[2 * 4 + 3]).toBeCloseTo(wavelength, 6)
+  })
+})
+
+describe('the lobes of a metal', () => {
+  it('are those of white light times its reflectance at their mean wavenumber', () => {
+    const halved = lobeTexture(lobes, () => 0.5).image.data as Uint16Array
+    const plain = lobeTexture(lobes, () => 1).image.data as Uint16Array
+    for (let i = 0; i < plain.length; i += 997) {
+      const scale = i % 4 === 3 ? 1 : 0.5
+      expect(DataUtils.fromHalfFloat(halved[i]!)).toBeCloseTo(
+        scale * DataUtils.fromHalfFloat(plain[i]!),
+        4,
+      )
+    }
+  })
+
+  it('know gold from silver', () => {
+    const gold = metalReflectance(metals, 'gold')
+    const silver = metalReflectance(metals, 'silver')
+    expect(gold(0.45)).toBeLessThan(0.5)
+    expect(gold(0.65)).toBeGreaterThan(0.9)
+    expect(silver(0.45)).toBeGreaterThan(0.95)
+  })
+})
+
+describe('the largest order shown', () => {
+  it('is 8 for a sinusoid of period 3 µm and height 0.3 µm', () => {
+    // J_8²(4.96) = 3e-4 is seen, J_9² = 3e-5 is not.
+    expect(maxOrder(sinusoidal, 3, 0.3)).toBe(8)
+  })
+
+  it('is what can propagate where the profile sends light far out', () => {
+    expect(maxOrder(rectangular, 3, 0.3)).toBe(15)
+    expect(maxOrder(rectangular, 0.6, 0.3)).toBe(3)
+  })
+
+  it('falls with the height, and is none where the period is below half a wavelength', () => {
+    expect(maxOrder(sinusoidal, 3, 0.02)).toBe(2)
+    expect(maxOrder(sinusoidal, 0.15, 0.3)).toBe(0)
+  })
+})
