@@ -49,7 +49,8 @@ class Light(BaseModel):
     Attributes:
         illuminant: Name or CSV path of its spectrum (`precompute.spectra.illuminant`).
         observer: Whose colour-matching functions turn it into XYZ.
-        angular_radius: Standard deviation of the Gaussian source as seen from the surface, rad.
+        angular_radius: Standard deviation of the Gaussian source as seen from the surface, rad,
+            above 0; left out, the source is a point.
         tint: Linear sRGB colour that multiplies the illuminant.
     """
 
@@ -57,5 +58,5 @@ class Light(BaseModel):
 
     illuminant: str = "D65"
     observer: Observer = "1931-2"
-    angular_radius: Annotated[float, Field(ge=0, lt=np.pi / 2)] = 0.0
+    angular_radius: Annotated[float, Field(gt=0, le=np.pi / 2)] = 0.0  # the default is not checked
     tint: tuple[float, float, float] = (1.0, 1.0, 1.0)

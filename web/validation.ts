@@ -31,6 +31,17 @@ export function within(
   throw new DiffractionError({ file: owner, field, value, expected: range + suffix(unit) })
 }
 
+/** Returns the value if it can be the angular radius of a light, rad. A point is said by stating none. */
+export function angularRadius(owner: string, field: string, value: unknown): number {
+  if (typeof value === 'number' && value > 0 && value <= Math.PI / 2) return value
+  throw new DiffractionError({
+    file: owner,
+    field,
+    value,
+    expected: 'a number above 0 and up to π/2 (rad), or none for a light that is a point',
+  })
+}
+
 /** Returns the value if it is one of the names. */
 export function oneOf<T extends string>(
   owner: string,

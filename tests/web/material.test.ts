@@ -106,7 +106,7 @@ describe('setters', () => {
     ['coherence', [0, -1, NaN, Infinity]],
     ['roughness', [-1, NaN, Infinity]],
     ['wavelengthStep', [0, NaN, 1]],
-    ['lightAngularRadius', [-1, NaN, Infinity]],
+    ['lightAngularRadius', [0, -1, NaN, Infinity]],
     ['coat', [-0.1, 1.1, NaN]],
     ['coatIor', [0.9, NaN]],
     ['coatRoughness', [-1, 2, NaN]],

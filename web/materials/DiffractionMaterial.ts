@@ -33,7 +33,7 @@ import type {
   OpticsSettings,
   Surface,
 } from '../surfaces/surface'
-import { oneOf, within } from '../validation'
+import { angularRadius, oneOf, within } from '../validation'
 import { checkEnvironment, environmentMap } from './environment-map'
 import { describeFeatures } from './features'
 import { assertLightLoops } from './light-order'
@@ -99,7 +99,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   #surfaceVersion = -1
   #mapsPath: string
   #diffraction = true
-  #lightAngularRadius = 0
+  #lightAngularRadius: number | null = null
   #gamut: Gamut = 'map'
   #map: Texture | null = null
   #normalMap: Texture | null = null
@@ -252,13 +252,14 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#setDefine('DIFFRACTION', this.#applied !== null && value)
   }
 
-  /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`. */
-  get lightAngularRadius(): number {
+  /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; null: points. */
+  get lightAngularRadius(): number | null {
     return this.#lightAngularRadius
   }
 
-  set lightAngularRadius(value: number) {
-    this.#lightAngularRadius = within(OWNER, 'lightAngularRadius', value, 0, Math.PI / 2, 'rad')
+  set lightAngularRadius(value: number | null) {
+    this.#lightAngularRadius =
+      value === null ? null : angularRadius(OWNER, 'lightAngularRadius', value)
   }
 
   get coat(): number {
@@ -500,7 +501,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     radii.length = angularRadii.length
     for (let i = 0; i < radii.length; i++) {
       const radius = angularRadii[i]!
-      radii[i] = Number.isNaN(radius) ? this.#lightAngularRadius : radius
+      radii[i] = Number.isNaN(radius) ? (this.#lightAngularRadius ?? 0) : radius
     }
     this.#setDefine('TINTED', isTinted)
   }

@@ -21,8 +21,8 @@ export interface DiffractionMaterialOptions extends MaterialParameters, Partial<
   mapsPath?: string
   /** Whether the surface diffracts at all; true by default. */
   diffraction?: boolean
-  /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; 0 by default. */
-  lightAngularRadius?: number
+  /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; null, points, by default. */
+  lightAngularRadius?: number | null
   /** Share of the surface under a clear lacquer, 0 (default) to 1. */
   coat?: number
   /** The lacquer's refractive index, 1.5 by default. */

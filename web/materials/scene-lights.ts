@@ -1,5 +1,5 @@
 import type { Camera, Object3D, WebGLRenderer } from 'three'
-import { within } from '../validation'
+import { angularRadius } from '../validation'
 import { isTinted, LightOrder } from './light-order'
 
 /** The lights of one scene in one frame, shared by all materials that are drawn in it. */
@@ -54,7 +54,7 @@ function read(entry: Entry, scene: Object3D, camera: Camera): void {
     entry.angularRadii[i] =
       radius === undefined
         ? NaN
-        : within(light.name || light.type, 'userData.angularRadius', radius, 0, Math.PI / 2, 'rad')
+        : angularRadius(light.name || light.type, 'userData.angularRadius', radius)
     entry.isTinted ||= isTinted(light)
   }
 }
