@@ -60,9 +60,7 @@ export async function buildScene(description: SceneDescription): Promise<BuiltSc
     if ('target' in light) scene.add(light.target)
   }
   const mesh = new Mesh(buildGeometry(description.mesh), await buildMaterial(description))
-  mesh.position.set(...(description.mesh.position ?? [0, 0, 0]))
-  mesh.rotation.copy(eulerOf(description.mesh.rotation_deg ?? [0, 0, 0]))
-  mesh.scale.set(...(description.mesh.scale ?? [1, 1, 1]))
+  placeMesh(mesh, description.mesh)
   scene.add(mesh)
 
   const camera = buildCamera(description)
@@ -110,6 +108,12 @@ export function buildGeometry(description: MeshDescription): BufferGeometry {
   if (description.constantUv) geometry.getAttribute('uv').array.fill(0.5)
   if (description.tangents) geometry.computeTangents()
   return geometry
+}
+
+export function placeMesh(mesh: Mesh, { position, rotation_deg, scale }: MeshDescription): void {
+  mesh.position.set(...(position ?? [0, 0, 0]))
+  mesh.rotation.copy(eulerOf(rotation_deg ?? [0, 0, 0]))
+  mesh.scale.set(...(scale ?? [1, 1, 1]))
 }
 
 function shapeOf(description: MeshDescription): BufferGeometry {

@@ -1,6 +1,7 @@
 import { WebGLRenderer } from 'three'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
+import { probeFeatures, type ProbeName } from './three-features'
 import { drawVariants } from './variants'
 import { timeMaterials, type TimingRequest } from './timing'
 
@@ -16,6 +17,8 @@ export interface Harness {
   timeMaterials: (request: TimingRequest) => Promise<Record<string, number>>
   /** Draws the material in every variant; returns failures by the variant's name. */
   drawVariants: () => Promise<Record<string, string>>
+  /** The colour in the picture's middle with each of three's features. */
+  probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
 
 export type TransferredScene = Transferred<Omit<RenderedScene, 'environment'>> & {
@@ -54,6 +57,7 @@ window.harness = {
   },
   timeMaterials: (request) => timeMaterials(renderer, request),
   drawVariants,
+  probeFeatures,
 }
 
 function backendName(): string {

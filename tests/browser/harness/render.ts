@@ -7,6 +7,7 @@ import {
   type Camera,
   type WebGLRenderer,
 } from 'three'
+import { fragmentShaderOf, tablesOf, type TableSize } from './program'
 import { buildScene, type BuiltScene } from './build-scene'
 import { environmentTexels } from './environment'
 import { GeometryMaterial } from './geometry-material'
@@ -25,6 +26,10 @@ export interface RenderedScene {
   environment: { width: number; height: number; data: Float32Array } | null
   /** Camera and lights as the shader has them: view space. */
   view: Record<string, unknown>
+  /** The fragment shader as WebGL compiled it. */
+  fragmentShader: string
+  /** The tables that it reads. */
+  tables: TableSize[]
 }
 
 /** Renders a description to numbers: no tone mapping, no gamut mapping, no 8 bits. */
@@ -37,6 +42,10 @@ export async function renderScene(
     const [width, height] = description.size
     const radiance = renderTo(renderer, built, width, height, 1)
     const material = built.mesh.material
+    const shader = {
+      fragmentShader: fragmentShaderOf(renderer, material),
+      tables: tablesOf(renderer, material),
+    }
     const geometryMaterial = new GeometryMaterial(material)
     Object.assign(built.mesh, { material: geometryMaterial })
     const geometry = renderTo(renderer, built, width, height, GEOMETRY_LAYERS.length)
@@ -49,6 +58,7 @@ export async function renderScene(
       geometry,
       environment: built.environment && environmentTexels(built.environment),
       view: describeView(built),
+      ...shader,
     }
   } finally {
     built.dispose()

@@ -5,11 +5,12 @@ import {
   MeshStandardMaterial,
   Scene,
   WebGLRenderTarget,
+  type BufferGeometry,
   type Material,
   type WebGLRenderer,
 } from 'three'
 import { DiffractionMaterial } from '../../../web'
-import { buildCamera, buildGeometry, buildLight, buildSurface } from './build-scene'
+import { buildCamera, buildGeometry, buildLight, buildSurface, placeMesh } from './build-scene'
 import { loadEnvironment } from './environment'
 import type { MaterialDescription, SceneDescription, SurfaceDescription } from './scene-description'
 
@@ -37,6 +38,9 @@ interface TimedScene {
   best: number
 }
 
+/** The page's clock ticks every 0.1 ms: shorter frames are drawn again until this much has passed, ms. */
+const SHORTEST_MEASUREMENT = 10
+
 /**
  * Shortest frame of each material, ms. Frames are interleaved, so that a machine that slows down slows all of them, and
  * each is waited for by reading one pixel: timer queries say nothing of software rendering.
@@ -60,7 +64,12 @@ export async function timeMaterials(
       scene.add(built)
       if ('target' in built) scene.add(built.target)
     }
-    scene.add(new Mesh(buildGeometry(description.mesh), await buildMaterial(request, description)))
+    const mesh = new Mesh(
+      buildGeometry(description.mesh),
+      await buildMaterial(request, description),
+    )
+    placeMesh(mesh, description.mesh)
+    scene.add(mesh)
     timed.push({ name: request.name, scene, best: Infinity })
   }
 
@@ -71,15 +80,27 @@ export async function timeMaterials(
   for (let frame = -2; frame < frames; frame++)
     for (const entry of timed) {
       const start = performance.now()
-      renderer.render(entry.scene, camera)
-      gl.finish()
-      renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel)
-      const elapsed = performance.now() - start
-      if (frame >= 0) entry.best = Math.min(entry.best, elapsed)
+      let elapsed: number
+      let count = 0
+      do {
+        renderer.render(entry.scene, camera)
+        gl.finish()
+        renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel)
+        elapsed = performance.now() - start
+        count++
+      } while (elapsed < SHORTEST_MEASUREMENT)
+      if (frame >= 0) entry.best = Math.min(entry.best, elapsed / count)
     }
   renderer.setRenderTarget(null)
   target.dispose()
   environment?.dispose()
+  for (const { scene } of timed)
+    scene.traverse((object) => {
+      if (!(object instanceof Mesh)) return
+      const { geometry, material } = object as Mesh<BufferGeometry, Material>
+      geometry.dispose()
+      material.dispose()
+    })
   return Object.fromEntries(timed.map(({ name, best }) => [name, best]))
 }
 

@@ -1,0 +1,149 @@
+import type { Feature } from '../web'
+import { DiffractionError } from '../web'
+import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
+import { Flash } from './light/flash'
+import { Surroundings } from './light/surroundings'
+import { loadSubject, SUBJECTS, type SubjectName } from './subjects'
+import { FOIL_MAP, loadFoil } from './subjects/foil-card'
+import type { Subject } from './subjects/subject'
+import { Banner } from './ui/banner'
+import { Loading } from './ui/loading'
+import { Tilt } from './view/tilt'
+import type { Viewer } from './view/viewer'
+
+/** What the page shows, and the ways in which it can be changed. */
+export class Demo {
+  readonly flash = new Flash()
+  readonly tilt = new Tilt()
+  readonly surroundings: Surroundings
+  readonly banner = new Banner()
+  readonly loading = new Loading()
+  /** Called when values have changed by other ways than their controls. */
+  onChanged: () => void = () => undefined
+
+  #subject: Subject | null = null
+  #subjectName: SubjectName = 'foil'
+  #foilUrl = FOIL_MAP
+
+  constructor(readonly viewer: Viewer) {
+    this.surroundings = new Surroundings(viewer.scene)
+    this.flash.intensity = 2
+    viewer.scene.add(this.flash.object)
+    viewer.animate = (seconds) => this.tilt.advance(seconds)
+    viewer.onError = (error) => {
+      this.#refuse(error)
+    }
+  }
+
+  /** Whether the first object is there. */
+  get isReady(): boolean {
+    return this.#subject !== null
+  }
+
+  /** Address of the foil's map. */
+  get foilUrl(): string {
+    return this.#foilUrl
+  }
+
+  /** The object on show. */
+  get subject(): Subject {
+    if (this.#subject === null) throw new Error('The first object is not loaded yet')
+    return this.#subject
+  }
+
+  get subjectName(): SubjectName {
+    return this.#subjectName
+  }
+
+  /** Carries out a change; one that is refused leaves everything as it was, and says why. */
+  readonly attempt = (change: () => void): void => {
+    try {
+      change()
+      this.banner.hide()
+      // Tables that must be fetched show when they are there. Their failure comes by the material's onError.
+      this.subject.material.ready.then(
+        () => {
+          this.viewer.invalidate()
+        },
+        () => undefined,
+      )
+    } catch (error) {
+      this.#refuse(error)
+    }
+    this.viewer.invalidate()
+  }
+
+  async showSubject(name: SubjectName): Promise<void> {
+    this.#subjectName = name
+    await this.#load(`the ${SUBJECTS[name].toLowerCase()} and its tables`, async () => {
+      const subject = await loadSubject(name)
+      if (this.#subjectName === name && subject !== this.#subject) this.#take(subject)
+    })
+    this.onChanged()
+  }
+
+  async showEnvironment(name: EnvironmentName | 'none'): Promise<void> {
+    const what = name === 'none' ? 'nothing' : ENVIRONMENTS[name]
+    await this.#load(what, () => this.surroundings.choose(name))
+    this.onChanged()
+  }
+
+  /** Covers the card with another foil, unless its map is broken. */
+  async showFoil(url: string): Promise<void> {
+    await this.#load('the foil', async () => {
+      const foil = await loadFoil(url)
+      const card = await loadSubject('foil')
+      card.material.surface = foil
+      try {
+        await card.material.ready
+      } catch (error) {
+        card.material.surface = card.surface
+        throw error
+      }
+      card.surface = foil
+      this.#foilUrl = url
+      this.banner.hide()
+    })
+    this.onChanged()
+  }
+
+  explain(): Feature[] {
+    return this.subject.material.explain()
+  }
+
+  #take(subject: Subject): void {
+    const before = this.#subject
+    if (before !== null) {
+      this.viewer.scene.remove(before.object)
+      const { metal, illuminant, method, coherence } = before.material
+      Object.assign(subject.material, { metal, illuminant, method, coherence })
+    }
+    this.#subject = subject
+    subject.material.onError = (error) => {
+      this.#refuse(error)
+    }
+    this.viewer.scene.add(subject.object)
+    this.tilt.hold(subject.object, subject.tilt)
+    this.flash.azimuth = subject.flash.azimuth
+    this.flash.height = subject.flash.height
+    this.viewer.fit(subject.aspect)
+    this.viewer.camera.position.set(...subject.camera)
+    this.viewer.orbit.update()
+  }
+
+  async #load(what: string, task: () => Promise<void>): Promise<void> {
+    try {
+      await this.loading.track(what, task())
+    } catch (error) {
+      this.#refuse(error)
+    }
+    this.viewer.invalidate()
+  }
+
+  #refuse(error: unknown): void {
+    this.banner.show(error)
+    // Bad input is for whoever gave it, and the banner says all of it; anything else is a defect to be looked into.
+    if (!(error instanceof DiffractionError)) console.error(error)
+    this.onChanged()
+  }
+}

@@ -1,0 +1,63 @@
+import { DataTexture, EquirectangularReflectionMapping } from 'three'
+import { EXRLoader } from 'three/addons/loaders/EXRLoader.js'
+import { clampNegative } from './clamp-negative'
+import { meanLuminance } from './mean-luminance'
+
+/** Environments to choose from: names in @pmndrs/assets/hdri, and what they show. */
+export const ENVIRONMENTS = {
+  studio: 'Studio',
+  venice: 'Venice, dawn',
+  warehouse: 'Warehouse',
+  apartment: 'Apartment',
+  lobby: 'Lobby',
+  workshop: 'Workshop',
+  city: 'City',
+  sunset: 'Sunset',
+  forest: 'Forest',
+  night: 'Night street',
+} as const
+export type EnvironmentName = keyof typeof ENVIRONMENTS
+
+/** Each is a module of its own, whose only export is the file as a data address: what is not chosen is not fetched. */
+const modules = import.meta.glob<string>('../../node_modules/@pmndrs/assets/hdri/*.exr.js', {
+  import: 'default',
+})
+
+export interface Environment {
+  texture: DataTexture
+  /** Texels that were below zero in some channel, and are zero now. */
+  clamped: number
+  texels: number
+  /** Mean luminance over all directions, as the file counts it. */
+  mean: number
+}
+
+const loads = new Map<EnvironmentName, Promise<Environment>>()
+
+/** Loads an environment, once. */
+export function loadEnvironment(name: EnvironmentName): Promise<Environment> {
+  const known = loads.get(name)
+  if (known !== undefined) return known
+  const load = fetchEnvironment(name)
+  loads.set(name, load)
+  load.catch(() => loads.delete(name))
+  return load
+}
+
+export function isEnvironmentName(name: string | null): name is EnvironmentName {
+  return name !== null && name in ENVIRONMENTS
+}
+
+async function fetchEnvironment(name: EnvironmentName): Promise<Environment> {
+  const fetchModule = modules[`../../node_modules/@pmndrs/assets/hdri/${name}.exr.js`]
+  if (fetchModule === undefined) throw new Error(`@pmndrs/assets has no environment ${name}`)
+  const texture = await new EXRLoader().loadAsync(await fetchModule())
+  texture.mapping = EquirectangularReflectionMapping
+  const { width, height, data } = texture.image as {
+    width: number
+    height: number
+    data: Uint16Array
+  }
+  const clamped = clampNegative(data)
+  return { texture, clamped, texels: width * height, mean: meanLuminance(data, width, height) }
+}

@@ -1,0 +1,47 @@
+import { Foil } from '../../web'
+import type { Demo } from '../demo'
+import type { Control } from './control'
+import { make, uniqueId } from './elements'
+
+/** The address of the foil's map, to try another, and the period that it states. */
+export function foilField(demo: Demo): Control {
+  const id = uniqueId()
+  const input = make('input', '')
+  Object.assign(input, { type: 'text', id, spellcheck: false })
+  const label = make('label', '', 'Foil map (address without extension)')
+  label.htmlFor = id
+  const load = make('button', '', 'Load')
+  load.type = 'button'
+  const period = make('output', '')
+  const element = make(
+    'div',
+    'control text',
+    label,
+    input,
+    load,
+    make('span', 'fact', 'Period ', period),
+  )
+
+  const submit = (): void => {
+    void demo.showFoil(input.value.trim())
+  }
+  load.addEventListener('click', submit)
+  input.addEventListener('keydown', (event) => {
+    if (event.key === 'Enter') submit()
+  })
+
+  let shown = ''
+  const refresh = (): void => {
+    const { surface } = demo.subject
+    element.hidden = !(surface instanceof Foil)
+    if (!(surface instanceof Foil)) return
+    // A text that was refused stays, to be corrected.
+    if (shown !== demo.foilUrl) input.value = shown = demo.foilUrl
+    const [shortest, longest] = surface.period.map((length) => length.toFixed(2))
+    period.textContent =
+      shortest === longest
+        ? `${String(shortest)}\u202fµm`
+        : `${String(shortest)} to ${String(longest)}\u202fµm`
+  }
+  return { element, refresh }
+}

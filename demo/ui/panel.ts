@@ -1,0 +1,231 @@
+import { MathUtils } from 'three'
+import { Grating } from '../../web'
+import type { Demo } from '../demo'
+import { ENVIRONMENTS } from '../light/environments'
+import { choice } from './choice'
+import type { Control } from './control'
+import { make } from './elements'
+import { foilField } from './foil-field'
+import { slider, type SliderOptions } from './slider'
+
+const METALS = { aluminium: 'Aluminium', silver: 'Silver', gold: 'Gold', copper: 'Copper' } as const
+
+const PROFILES = {
+  sinusoidal: 'Sinusoidal',
+  rectangular: 'Rectangular',
+  triangular: 'Triangular',
+  blazed: 'Blazed',
+  sampled: 'Sampled',
+}
+
+const ILLUMINANTS = {
+  D65: 'D65, daylight',
+  A: 'A, incandescent',
+  'inverse-A': 'Inverse A',
+  'LED-B1': 'LED B1, 2733 K',
+  'LED-B2': 'LED B2, 2998 K',
+  'LED-B3': 'LED B3, 4103 K',
+  'LED-B4': 'LED B4, 5109 K',
+  'LED-B5': 'LED B5, 6598 K',
+}
+
+const METHODS = {
+  'closed-form': 'Closed form',
+  'wavelength-loop': 'Loop over wavelengths',
+} as const
+
+const { degToRad, radToDeg } = MathUtils
+
+/** All controls, in groups that can be folded. */
+export class Panel {
+  readonly #controls: Control[] = []
+
+  constructor(
+    private readonly form: HTMLFormElement,
+    private readonly demo: Demo,
+  ) {
+    form.addEventListener('submit', (event) => {
+      event.preventDefault()
+    })
+    this.#addSurface()
+    this.#addSurroundings()
+    this.#addFlash()
+    this.#addMethod()
+    this.refresh()
+  }
+
+  /** Shows all values as they are now. */
+  refresh(): void {
+    for (const control of this.#controls) control.refresh()
+  }
+
+  #addSurface(): void {
+    const { demo } = this
+    const grating = (): Grating | null =>
+      demo.subject.surface instanceof Grating ? demo.subject.surface : null
+    this.#group('Surface', true, [
+      foilField(demo),
+      this.#slider({
+        label: 'Period',
+        unit: 'µm',
+        ...{ min: 0.4, max: 6, step: 0.01 },
+        get: () => grating()?.period,
+        set: (value) => {
+          const surface = grating()
+          if (surface !== null) surface.period = value
+        },
+      }),
+      this.#slider({
+        label: 'Relief height',
+        unit: 'µm',
+        ...{ min: 0.01, max: 0.5, step: 0.005 },
+        get: () => demo.subject.surface.height,
+        set: (value) => (demo.subject.surface.height = value),
+      }),
+      this.#choice('Profile', PROFILES, {
+        get: () => demo.subject.surface.profile as keyof typeof PROFILES,
+        set: (value) => (demo.subject.surface.profile = value),
+      }),
+      this.#choice('Metal', METALS, {
+        get: () => demo.subject.material.metal,
+        set: (value) => (demo.subject.material.metal = value),
+      }),
+      this.#degrees('Roughness (σ of tilt)', 0, 5, 0.05, {
+        get: () => demo.subject.material.roughness,
+        set: (value) => (demo.subject.material.roughness = value),
+      }),
+      this.#slider({
+        label: 'Clear coat',
+        unit: '%',
+        ...{ min: 0, max: 100, step: 1 },
+        get: () => 100 * demo.subject.material.coat,
+        set: (value) => (demo.subject.material.coat = value / 100),
+      }),
+      this.#degrees('Bend', -120, 120, 1, {
+        get: () => demo.subject.bend?.get(),
+        set: (value) => demo.subject.bend?.set(value),
+      }),
+    ])
+  }
+
+  #addSurroundings(): void {
+    const { demo } = this
+    const { surroundings, viewer } = demo
+    this.#group('Surroundings', true, [
+      this.#choice(
+        'Environment',
+        { ...ENVIRONMENTS, none: 'None' },
+        {
+          get: () => surroundings.chosen,
+          set: (value) => void demo.showEnvironment(value),
+        },
+      ),
+      this.#slider({
+        label: 'Brightness',
+        unit: '%',
+        ...{ min: 0, max: 300, step: 5 },
+        get: () => 100 * surroundings.brightness,
+        set: (value) => (surroundings.brightness = value / 100),
+      }),
+      this.#degrees('Turn', -180, 180, 1, {
+        get: () => surroundings.turn,
+        set: (value) => (surroundings.turn = value),
+      }),
+      this.#slider({
+        label: 'Exposure',
+        unit: 'EV',
+        ...{ min: -4, max: 4, step: 0.1 },
+        get: () => viewer.exposure,
+        set: (value) => (viewer.exposure = value),
+      }),
+    ])
+  }
+
+  #addFlash(): void {
+    const { flash } = this.demo
+    this.#group('Flash', true, [
+      this.#slider({
+        label: 'Intensity',
+        unit: 'cd',
+        ...{ min: 0, max: 20, step: 0.1 },
+        get: () => flash.intensity,
+        set: (value) => (flash.intensity = value),
+      }),
+      this.#degrees('Angular radius (σ)', 0.05, 5, 0.05, {
+        get: () => flash.angularRadius,
+        set: (value) => (flash.angularRadius = value),
+      }),
+      this.#degrees('Azimuth', -180, 180, 1, {
+        get: () => flash.azimuth,
+        set: (value) => (flash.azimuth = value),
+      }),
+      this.#degrees('Height', -85, 85, 1, {
+        get: () => flash.height,
+        set: (value) => (flash.height = value),
+      }),
+    ])
+  }
+
+  #addMethod(): void {
+    const { demo } = this
+    this.#group('Light and method', false, [
+      this.#choice('Illuminant', ILLUMINANTS, {
+        get: () => demo.subject.material.illuminant as keyof typeof ILLUMINANTS,
+        set: (value) => (demo.subject.material.illuminant = value),
+      }),
+      this.#choice('Method', METHODS, {
+        get: () => demo.subject.material.method,
+        set: (value) => (demo.subject.material.method = value),
+      }),
+      this.#slider({
+        label: 'Coherence (σ of window)',
+        unit: 'µm',
+        ...{ min: 1, max: 60, step: 0.25 },
+        get: () => demo.subject.material.coherence,
+        set: (value) => (demo.subject.material.coherence = value),
+      }),
+    ])
+  }
+
+  #group(title: string, isOpen: boolean, controls: Control[]): void {
+    const group = make('details', 'group', make('summary', '', title))
+    group.open = isOpen
+    group.append(...controls.map(({ element }) => element))
+    this.form.append(group)
+    this.#controls.push(...controls)
+  }
+
+  #slider(options: SliderOptions): Control {
+    return slider(options, this.demo.attempt)
+  }
+
+  #choice<T extends string>(
+    label: string,
+    options: Readonly<Record<T, string>>,
+    value: { get: () => T; set: (value: T) => void },
+  ): Control {
+    return choice({ label, options, ...value }, this.demo.attempt)
+  }
+
+  /** A slider in degrees for a value in radians. */
+  #degrees(
+    label: string,
+    min: number,
+    max: number,
+    step: number,
+    { get, set }: { get: () => number | undefined; set: (value: number) => void },
+  ): Control {
+    return this.#slider({
+      label,
+      unit: '°',
+      ...{ min, max, step },
+      get: () => {
+        const value = get()
+        return value === undefined ? undefined : radToDeg(value)
+      },
+      set: (value) => {
+        set(degToRad(value))
+      },
+    })
+  }
+}

@@ -1,0 +1,161 @@
+import type { Browser, Page } from 'playwright-core'
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest'
+import { launchBrowser, serve } from '../../scripts/browser.mjs'
+import { meanDifference, pixelsOf, shareOf, type Pixels } from './screenshot'
+
+let server: Awaited<ReturnType<typeof serve>>
+let browser: Browser
+const pages: Page[] = []
+
+beforeAll(async () => {
+  server = await serve('demo')
+  browser = await launchBrowser({ backend: 'llvmpipe' })
+})
+
+afterEach(async () => {
+  for (const page of pages.splice(0)) await page.close()
+})
+
+afterAll(async () => {
+  await browser.close()
+  await server.close()
+})
+
+interface OpenedPage {
+  page: Page
+  /** What the page wrote as errors and warnings so far. */
+  complaints: string[]
+}
+
+async function open(query = '', width = 480, height = 400): Promise<OpenedPage> {
+  const page = await browser.newPage({ viewport: { width, height }, reducedMotion: 'reduce' })
+  pages.push(page)
+  const complaints: string[] = []
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
+  })
+  page.on('pageerror', (error) => complaints.push(String(error)))
+  await page.goto(server.url + query)
+  return { page, complaints }
+}
+
+/** Waits until nothing is being loaded and the picture is finished. */
+async function settle(page: Page): Promise<void> {
+  await page.waitForSelector('#controls label', { state: 'attached' })
+  await page.waitForSelector('#loading', { state: 'hidden' })
+  await page.waitForSelector('#view[data-state=settled]')
+}
+
+async function picture(page: Page): Promise<Pixels> {
+  await settle(page)
+  return pixelsOf(page, await page.locator('#view').screenshot())
+}
+
+/** Presses keys on the control of that label, found and reached as from the keyboard. */
+async function press(page: Page, label: string, ...keys: string[]): Promise<void> {
+  const control = page.getByLabel(label, { exact: true })
+  await control.focus()
+  for (const key of keys) await page.keyboard.press(key)
+  await page.waitForSelector('#view:not([data-state=settled])')
+}
+
+function isBright(r: number, g: number, b: number): boolean {
+  return Math.max(r, g, b) > 64
+}
+
+// Changes are means over all pixels, of 255; a picture that is drawn twice differs by less than 0.1.
+describe('the demo', () => {
+  it('loads without complaints and shows colours', async () => {
+    const { page, complaints } = await open()
+    const pixels = await picture(page)
+    expect(complaints).toEqual([])
+    expect(await page.locator('#banner').isVisible()).toBe(false)
+    expect(shareOf(pixels, isBright)).toBeGreaterThan(0.1)
+    // Red, green and blue, each well above the other two: what a white environment shows only by diffraction.
+    const dominates = (a: number, b: number, c: number): boolean =>
+      a > 80 && a > 1.5 * Math.max(b, c)
+    expect(shareOf(pixels, (r, g, b) => dominates(r, g, b))).toBeGreaterThan(0.002)
+    expect(shareOf(pixels, (r, g, b) => dominates(g, r, b))).toBeGreaterThan(0.002)
+    expect(shareOf(pixels, (r, g, b) => dominates(b, r, g))).toBeGreaterThan(0.002)
+  })
+
+  it('obeys the keyboard', async () => {
+    const { page, complaints } = await open('?scene=disc', 820, 240)
+    await page.locator('summary', { hasText: 'Light and method' }).press('Enter')
+    let before = await picture(page)
+    const changed = async (): Promise<number> => {
+      const after = await picture(page)
+      const difference = meanDifference(before, after)
+      before = after
+      return difference
+    }
+    await press(page, 'Period', 'PageUp')
+    expect(await changed()).toBeGreaterThan(0.3)
+    await press(page, 'Illuminant', 'ArrowDown')
+    expect(await page.getByLabel('Illuminant').inputValue()).toBe('A')
+    expect(await changed()).toBeGreaterThan(0.3)
+    await press(page, 'Method', 'ArrowDown')
+    expect(await page.getByLabel('Method').inputValue()).toBe('wavelength-loop')
+    expect(await changed()).toBeGreaterThan(0.3)
+    await press(page, 'Three-dimensional view', 'ArrowRight', 'ArrowRight')
+    expect(await changed()).toBeGreaterThan(0.3)
+    expect(complaints).toEqual([])
+  })
+
+  it('fits a phone', async () => {
+    const { page } = await open('', 360, 740)
+    await settle(page)
+    const sheet = page.locator('#sheet')
+    expect(await sheet.getAttribute('open')).toBeNull()
+    await sheet.locator('> summary').click()
+    await page.locator('summary', { hasText: 'Light and method' }).click()
+    for (const label of ['Environment', 'Roughness (σ of tilt)', 'Coherence (σ of window)']) {
+      const control = page.getByLabel(label, { exact: true })
+      await control.scrollIntoViewIfNeeded()
+      // A trial click fails where something covers the control or it lies outside the window.
+      await control.click({ trial: true })
+    }
+    const widths = await page.evaluate(() => [
+      document.documentElement.scrollWidth,
+      document.querySelector('.panel')!.scrollWidth - document.querySelector('.panel')!.clientWidth,
+    ])
+    expect(widths).toEqual([360, 0])
+    const view = (await page.locator('#view').boundingBox())!
+    expect(view.height).toBeGreaterThan(300)
+    expect(shareOf(await picture(page), isBright)).toBeGreaterThan(0.05)
+  })
+
+  it('says what is wrong with a map, and keeps the last good foil', async () => {
+    const { page } = await open('', 820, 240)
+    const before = await picture(page)
+    await page.getByLabel('Foil map', { exact: false }).fill('/maps/baked/metals')
+    await page.keyboard.press('Enter')
+    const banner = page.getByRole('alert')
+    await banner.waitFor()
+    expect(await banner.innerText()).toContain('/maps/baked/metals.json: kind')
+    await page.getByRole('button', { name: 'Close this message' }).click()
+    const after = await picture(page)
+    expect(meanDifference(before, after)).toBeLessThan(0.1)
+  })
+
+  it('says where there is no such map, when it is opened with one', async () => {
+    const { page } = await open('?foil=/maps/baked/nothing')
+    const banner = page.getByRole('alert')
+    await banner.waitFor()
+    expect(await banner.innerText()).toContain('/maps/baked/nothing.json: file is "HTTP 404"')
+    expect(shareOf(await picture(page), isBright)).toBeGreaterThan(0.05)
+  })
+
+  it('says what the browser lacks', async () => {
+    const page = await browser.newPage()
+    pages.push(page)
+    await page.addInitScript(() => {
+      HTMLCanvasElement.prototype.getContext = () => null
+    })
+    await page.goto(server.url)
+    const message = page.getByRole('alert')
+    await message.waitFor()
+    expect(await message.innerText()).toContain('WebGL 2')
+    expect(await page.locator('#view').isVisible()).toBe(false)
+  })
+})
