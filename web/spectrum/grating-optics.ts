@@ -1,10 +1,8 @@
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
 import { tableTexture } from '../maps/upload'
 import type { Feature, Optics, OpticsSettings } from '../surfaces/surface'
-import { lobeTexture } from './lobe-texture'
 import { maxOrder, propagatingOrder } from './max-order'
-import { metalReflectance } from './metal-reflectance'
-import { nodesTexture, spectralNodes } from './spectral-nodes'
+import { SpectralTextures } from './spectral-textures'
 
 /** The tables that a grating's optics read. */
 export interface GratingTables {
@@ -40,15 +38,9 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
   const [orders, phases] = arrayOf(profile, 'efficiency').spec.axes
   const isLoop = settings.method === 'wavelength-loop'
   const isTaylor = settings.efficiencies === 'taylor'
-  const lightNodes = isLoop
-    ? spectralNodes(lobes, Math.round(VISIBLE / settings.wavelengthStep) + 1, 'uniform')
-    : spectralNodes(lobes, WIDE_LOBE_NODES, 'weighted')
-  const environmentNodes = spectralNodes(
-    lobes,
-    settings.environmentNodes,
-    isLoop ? 'uniform' : 'weighted',
-  )
-  const reflectance = metalReflectance(metals, settings.metal)
+  const lightNodes = isLoop ? Math.round(VISIBLE / settings.wavelengthStep) + 1 : WIDE_LOBE_NODES
+  const placement = isLoop ? 'uniform' : 'weighted'
+  const spectra = new SpectralTextures(lobes, metals, settings.metal)
   const shown = isTaylor ? 2 : maxOrder(profile, settings.period[1], settings.height)
   const defines: Record<string, string | number> = {
     MAX_ORDER: shown,
@@ -62,10 +54,10 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     LOBE_MARGIN: glslFloat(constantOf(lobes, 'margin')[0]!),
     WAVENUMBER_MIN: glslFloat(constantOf(lobes, 'wavenumber_min')[0]!),
     WAVENUMBER_MAX: glslFloat(constantOf(lobes, 'wavenumber_max')[0]!),
-    LIGHT_NODES: lightNodes.length,
+    LIGHT_NODES: lightNodes,
     // Standard deviation of a node's band, a box, in µm; times s² it is one in wavenumber.
-    NODE_WIDTH: glslFloat(VISIBLE / lightNodes.length / Math.sqrt(12)),
-    ENVIRONMENT_NODES: environmentNodes.length,
+    NODE_WIDTH: glslFloat(VISIBLE / lightNodes / Math.sqrt(12)),
+    ENVIRONMENT_NODES: settings.environmentNodes,
     // The papers' methods read the environment unfiltered.
     ARC_FILTER: glslFloat(isLoop ? 0 : ARC_FILTER),
   }
@@ -75,25 +67,22 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
   if (settings.energy === 'reciprocal') defines['ENERGY_RECIPROCAL'] = ''
   return {
     defines,
-    features: describeOptics(settings, shown, environmentNodes.length),
+    features: describeOptics(settings, shown),
     uniforms: {
       uEfficiencyTable: { value: tableTexture(profile, 'efficiency') },
       uGratingHeight: { value: settings.height },
-      uLobeTable: { value: lobeTexture(lobes, reflectance) },
+      uLobeTable: { value: spectra.lobe() },
       uWindowVariance: { value: 1 / (8 * Math.PI ** 2 * settings.coherence ** 2) },
       uRoughness: { value: settings.roughness },
-      uLightNodes: { value: nodesTexture(lightNodes, reflectance) },
-      uEnvironmentNodes: { value: nodesTexture(environmentNodes, reflectance) },
+      uLightNodes: { value: spectra.nodes(lightNodes, placement) },
+      uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
     },
   }
 }
 
 /** What `explain()` says of the optics. */
-function describeOptics(
-  { period, height, method, wavelengthStep, energy, roughness }: GratingOpticsSettings,
-  shown: number,
-  nodes: number,
-): Feature[] {
+function describeOptics(settings: GratingOpticsSettings, shown: number): Feature[] {
+  const { period, height, method, wavelengthStep, energy, roughness, environmentNodes } = settings
   const propagating = propagatingOrder(period[1])
   const isLoop = method === 'wavelength-loop'
   return [
@@ -103,11 +92,11 @@ function describeOptics(
       why: `with ${height} µm of height they take more than 1/10000 of the light`,
     },
     {
-      feature: `orders ±${shown + 1} to ±${propagating}`,
+      feature: `orders beyond ±${shown}`,
       included: false,
       why:
         propagating > shown
-          ? 'they take less than that at any wavelength'
+          ? `±${propagating} could propagate, but they take less than that at any wavelength`
           : `a period of ${period[1]} µm lets none propagate`,
     },
     {
@@ -133,7 +122,7 @@ function describeOptics(
     {
       feature: 'nodes along the environment',
       included: true,
-      why: `${nodes} wavelengths stand for the spectrum wherever there is an environment`,
+      why: `${environmentNodes} wavelengths stand for the spectrum wherever there is an environment`,
     },
   ]
 }
