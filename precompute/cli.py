@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import csv
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TextIO
 
+import rich.progress
 import typer
 from rich.console import Console
 from rich.progress import track
 
-from precompute.errors import InputError
+from precompute.errors import InputError, unreadable
+from precompute.files import written_aside
+from precompute.methods import Method
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 console = Console(stderr=True)
@@ -44,7 +49,112 @@ def bake(
 
     with one_line_errors():
         total = 0
-        for recipe in track(recipes, description="Baking", console=console):
+        quiet = not console.is_terminal
+        for recipe in track(recipes, description="Baking", console=console, disable=quiet):
             files = bake_recipe(recipe, output)
             total += sum(file.stat().st_size for file in files)
         console.print(f"{len(recipes)} maps, {total / 1024:.0f} KiB, in {output}")
+
+
+@app.command()
+def inspect(
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP", help="Maps, with or without .json.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for a picture of each array.")
+    ] = None,
+) -> None:
+    """Say what is in a map; verify its checksums; with -o, draw it."""
+    from precompute.inspection import description, write_pictures
+
+    with one_line_errors():
+        for file in maps:
+            Console().print(description(file))
+            if output is not None:
+                for picture in write_pictures(file, output):
+                    console.print(str(picture), markup=False, soft_wrap=True)
+
+
+@app.command()
+def evaluate(
+    recipe: Annotated[Path, typer.Argument(metavar="RECIPE.json", help="Of kind grating.")],
+    directions: Annotated[
+        Path,
+        typer.Argument(
+            metavar="INPUT.csv",
+            help="Columns wi_x, wi_y, wi_z, wo_x, wo_y, wo_z and, for the BRDF instead of its "
+            "colour, wavelength_um; with --orders theta_i_deg, phi_i_deg, wavelength_um.",
+        ),
+    ],
+    orders: Annotated[
+        bool, typer.Option("--orders", help="The efficiencies of the orders that propagate.")
+    ] = False,
+    method: Annotated[Method | None, typer.Option(help="In place of the recipe's own.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="A file, in place of standard output.")
+    ] = None,
+) -> None:
+    """Ask the reference or a method: BRDF, colour or order efficiencies at given directions."""
+    from precompute.evaluate import evaluate as pieces_of
+    from precompute.recipes import read_grating_recipe
+
+    with one_line_errors():
+        asked = read_grating_recipe(recipe)
+        if method is not None:
+            asked = asked.model_copy(update={"method": method})
+        with _lines_with_progress(directions) as lines:
+            pieces = pieces_of(asked, recipe.parent, directions, lines, orders)
+            rows = (row for piece in pieces for row in piece)
+            if output is None:
+                csv.writer(sys.stdout, lineterminator="\n").writerows(rows)
+            else:
+                with written_aside(output) as aside, aside.open("w", encoding="utf-8") as file:
+                    csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+@app.command()
+def report(
+    scene: Annotated[
+        list[str] | None, typer.Option(help="A scene's name; may be repeated. All without it.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder of the report: docs/report, for chosen scenes tests/output/report.",
+        ),
+    ] = None,
+) -> None:
+    """Measure error against run time in Chromium: report.json, index.md and pictures."""
+    from precompute.report.browser import ROOT, BrowserError
+    from precompute.report.run import SCENES, make_report
+    from precompute.report.scenes import read_scenes
+
+    folder = output or ROOT / ("tests/output/report" if scene else "docs/report")
+    with one_line_errors():
+        try:
+            made = make_report(read_scenes(SCENES, scene), folder, console)
+        except BrowserError as error:
+            console.print(str(error), style="red", markup=False, soft_wrap=True)
+            raise typer.Exit(1) from error
+    message = f"{len(made.rows)} rows in {folder / 'index.md'}"
+    console.print(message, markup=False, soft_wrap=True)
+
+
+@contextmanager
+def _lines_with_progress(file: Path) -> Iterator[TextIO]:
+    """A text file's lines, with a bar on standard error where that is a terminal."""
+    try:
+        opened = rich.progress.open(
+            file,
+            "r",
+            encoding="utf-8-sig",
+            newline="",
+            description="Evaluating",
+            console=console,
+            disable=not console.is_terminal,
+        )
+    except OSError as failure:
+        raise unreadable(file, failure) from failure
+    with opened as lines:
+        yield lines

@@ -6,6 +6,7 @@ reference. It shares the tables with the shaders and nothing with `precompute.re
 
 from __future__ import annotations
 
+import functools
 import itertools
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +27,7 @@ from precompute.lobes import (
 )
 from precompute.maps import Table
 from precompute.recipes import LobesRecipe, ProfileRecipe
-from precompute.spectra import metal_reflectance
+from precompute.spectra import Observer, metal_reflectance
 
 Array = NDArray[np.float64]
 
@@ -35,9 +36,11 @@ WIDE_LOBE_NODES = 28
 
 
 @dataclass(frozen=True)
-class _Node:
-    wavelength: float  # µm
-    bandwidth: float  # µm
+class Node:
+    """A band of the spectrum: its middle and its width, µm, and the light's XYZ in it."""
+
+    wavelength: float
+    bandwidth: float
     xyz: Array
 
 
@@ -59,27 +62,18 @@ class ClosedForm:
         highest = recipe.max_phase * WAVENUMBER_MAX**-1 / (4 * np.pi)
         if grating.height > highest:
             raise InputError("grating", "height", grating.height, f"at most {highest:.4f} um")
-        self.efficiencies = profile_map(recipe).tables["efficiency"]
-        lobes = lobes_map(
-            LobesRecipe(kind="lobes", illuminant=light.illuminant, observer=light.observer), Path()
-        )
-        self.lobe = lobes.tables["lobe"]
-        self.nodes = _nodes(lobes.tables["weights"], np.asarray(light.tint))
+        self.efficiencies = _profile_tables(recipe.model_dump_json())["efficiency"]
+        lobes = _lobe_tables(light.illuminant, light.observer)
+        self.lobe = lobes["lobe"]
+        self.weights = lobes["weights"]
+        self.nodes = weighted_nodes(self.weights, np.asarray(light.tint))
         self.max_order = min(recipe.max_order, int(2 * grating.period * WAVENUMBER_MAX))
         self.window = 1 / (8 * np.pi**2 * grating.coherence**2)
 
     def colour_brdf(self, wi: Array, wo: Array) -> Array:
         """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3)."""
-        u, v, w = (wi + wo).T
-        α = self.light.angular_radius
-        tilt = (w * self.grating.roughness) ** 2
-        blur = np.stack(
-            [
-                tilt + α**2 * (1 - wi[:, 0] ** 2),
-                tilt + α**2 * (1 - wi[:, 1] ** 2),
-                -(α**2) * wi[:, 0] * wi[:, 1],
-            ]
-        )
+        u, v, _ = (wi + wo).T
+        blur = self.blur(wi, wo)
         widest = np.maximum(blur[0], blur[1]) + np.abs(blur[2])
         spread = np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
         above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
@@ -92,9 +86,21 @@ class ClosedForm:
                 result[rows] += self._narrow(m, wi[rows], wo[rows], blur[:, rows])
         rows = np.flatnonzero(near & wide)
         for node in self.nodes:
-            seen = self._at_node(node, wi[rows], wo[rows], blur[:, rows])
+            seen = self.at_node(node, wi[rows], wo[rows], blur[:, rows])
             result[rows] += node.xyz * seen[:, None]
         return result
+
+    def blur(self, wi: Array, wo: Array) -> Array:
+        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source, shape (3, n)."""
+        α = self.light.angular_radius
+        tilt = ((wi[:, 2] + wo[:, 2]) * self.grating.roughness) ** 2
+        return np.stack(
+            [
+                tilt + α**2 * (1 - wi[:, 0] ** 2),
+                tilt + α**2 * (1 - wi[:, 1] ** 2),
+                -(α**2) * wi[:, 0] * wi[:, 1],
+            ]
+        )
 
     def _narrow(self, m: int, wi: Array, wo: Array, blur: Array) -> Array:
         u, v, w = (wi + wo).T
@@ -110,11 +116,12 @@ class ClosedForm:
         position = lobe_position(middle, q)
         seen = (position >= 0) & (position <= 1) & (exponent <= EXPONENT_CUT)
         xyz, mean = self._lobe_colour(position, np.clip(q, WIDTH_MIN, WIDTH_MAX))
-        scale = np.where(seen, density, 0) * self._efficiency(m, w, mean)
+        scale = np.where(seen, density, 0) * self.efficiency(m, w, mean)
         scale *= self._reflectance(mean) * self._energy_factor(wi, wo, mean, q)
         return scale[:, None] * xyz
 
-    def _at_node(self, node: _Node, wi: Array, wo: Array, blur: Array) -> Array:
+    def at_node(self, node: Node, wi: Array, wo: Array, blur: Array) -> Array:
+        """f_r of all orders at a node's wavelength, 1/sr, shape (n,)."""
         u, v, w = (wi + wo).T
         s = np.full(len(u), 1 / node.wavelength)
         width = s**2 * node.bandwidth / np.sqrt(12)
@@ -124,7 +131,7 @@ class ClosedForm:
         for m in range(-self.max_order, self.max_order + 1):
             du, dv = s * u - m / self.grating.period, s * v
             exponent = (c_vv * du**2 - 2 * c_uv * du * dv + c_uu * dv**2) / (2 * determinant)
-            total += np.exp(-exponent) * self._efficiency(m, w, s)
+            total += np.exp(-exponent) * self.efficiency(m, w, s)
         density = s**2 * total / (2 * np.pi * np.sqrt(determinant))
         return density * self._reflectance(s) * self._energy_factor(wi, wo, s, width)
 
@@ -146,7 +153,8 @@ class ClosedForm:
         mean = np.where(lit, moment / np.where(lit, energy, 1), layers[0][:, 3])
         return np.asarray(xyz), np.clip(mean, WAVENUMBER_MIN, WAVENUMBER_MAX)
 
-    def _efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:
+    def efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:
+        """η_m at w = cosθ_i + cosθ_o and at a wavenumber in 1/µm, from the profile's table."""
         φ = 2 * np.pi * w * self.grating.height * wavenumber
         return self.efficiencies.sample(np.full(φ.shape, float(m)), φ)[..., 0]
 
@@ -167,25 +175,52 @@ class ClosedForm:
     def _mean_reciprocal(self, direction: Array, wavenumber: Array, width: Array) -> Array:
         """The mean of 1/N(ω, s) over a lobe: N steps where an order begins to propagate.
 
-        Order j propagates where s > |j|/a/(√(1 − ω_y²) + sgn(j) ω_x). The order nearest to its
-        step counts for the share of the lobe beyond it.
+        Order j propagates where s > |j|/a/(√(1 − ω_y²) + sgn(j) ω_x). Orders at whose steps the
+        lobe lies count together for the share of it beyond them, the mean by their efficiencies:
+        with the light overhead, steps come in pairs.
         """
         full = np.zeros(len(direction))
         partial, share = np.zeros(len(direction)), np.zeros(len(direction))
-        reach = np.sqrt(1 - direction[:, 1] ** 2)
+        reach = np.sqrt(np.maximum(1 - direction[:, 1] ** 2, 0))
         for m in range(-self.max_order, self.max_order + 1):
-            step = abs(m) / self.grating.period / (reach + np.sign(m) * direction[:, 0])
+            room = np.maximum(reach + np.sign(m) * direction[:, 0], 1e-6)
+            step = abs(m) / self.grating.period / room
             beyond = np.clip(0.5 + 0.4 * (wavenumber - step) / width, 0, 1)
             x = m / (self.grating.period * wavenumber) - direction[:, 0]
             cosine = np.sqrt(np.maximum(1 - x**2 - direction[:, 1] ** 2, 0))
-            η = np.where(beyond > 0, self._efficiency(m, direction[:, 2] + cosine, wavenumber), 0)
-            split = (beyond > 0) & (beyond < 1)
+            η = np.where(beyond > 0, self.efficiency(m, direction[:, 2] + cosine, wavenumber), 0)
             full += np.where(beyond >= 1, η, 0)
-            partial, share = np.where(split, η, partial), np.where(split, beyond, share)
+            partial += np.where(beyond < 1, η, 0)
+            share += np.where(beyond < 1, η * beyond, 0)
+        share /= np.maximum(partial, 1e-12)
         return share / np.maximum(full + partial, 1e-4) + (1 - share) / np.maximum(full, 1e-4)
 
 
-def _nodes(weights: Table, tint: Array) -> list[_Node]:
+@functools.lru_cache(maxsize=16)
+def _profile_tables(recipe: str) -> dict[str, Table]:
+    return profile_map(ProfileRecipe.model_validate_json(recipe)).tables
+
+
+@functools.lru_cache(maxsize=8)
+def _lobe_tables(illuminant: str, observer: Observer) -> dict[str, Table]:
+    recipe = LobesRecipe.model_construct(kind="lobes", illuminant=illuminant, observer=observer)
+    return lobes_map(recipe, Path()).tables
+
+
+def uniform_nodes(weights: Table, tint: Array, count: int) -> list[Node]:
+    """Bands of equal width over the whole spectrum, each with all of its light at its middle."""
+    (axis,) = weights.axes
+    λ = axis.parameters()
+    edges = np.linspace(axis.first, axis.last, count + 1)
+    cumulative = np.stack([np.interp(edges, λ, column) for column in weights.values.T], axis=-1)
+    bands = np.diff(cumulative, axis=0).reshape(count, 3, 3)
+    return [
+        Node((low + high) / 2, high - low, band.T @ tint)
+        for (low, high), band in zip(itertools.pairwise(edges.tolist()), bands, strict=True)
+    ]
+
+
+def weighted_nodes(weights: Table, tint: Array) -> list[Node]:
     """Bands placed as web/spectrum/spectral-nodes.ts places them."""
     (edges,) = weights.axes
     λ = edges.parameters()
@@ -199,5 +234,5 @@ def _nodes(weights: Table, tint: Array) -> list[_Node]:
         fine = np.linspace(low, high, 65)
         cumulative = np.interp(fine, λ, energy)
         middle = np.average((fine[1:] + fine[:-1]) / 2, weights=np.diff(cumulative) + 1e-15)
-        nodes.append(_Node(float(middle), float(high - low), xyz))
+        nodes.append(Node(float(middle), float(high - low), xyz))
     return nodes

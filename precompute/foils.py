@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.axes import Axis
 from precompute.maps import Map, Table
@@ -30,13 +30,13 @@ def polygons_foil(recipe: PolygonsFoilRecipe) -> Map:
     points = _spread_points(rng, recipe.polygons)
     texel = (np.arange(recipe.size) + 0.5) / recipe.size
     x, y = np.meshgrid(texel, texel[::-1])  # the first row of the image is the top, v = 1
-    distances, nearest = cKDTree(points, boxsize=1).query(np.stack([x, y], axis=-1), k=2)
+    distances, nearest = KDTree(points, boxsize=1).query(np.stack([x, y], axis=-1), k=2)
 
     # Orientations and periods in a shuffled round robin: all occur equally often.
     turn = rng.permutation(recipe.polygons)
     θ = np.pi * (turn % recipe.orientations) / recipe.orientations
     frequency = 1 / np.asarray(recipe.periods)[(turn // recipe.orientations) % len(recipe.periods)]
-    cell = nearest[..., 0]
+    cell = np.asarray(nearest)[..., 0]
     seam = distances[..., 1] - distances[..., 0] < 2 * recipe.border
     values = np.stack(
         [
@@ -78,6 +78,6 @@ def _spread_points(rng: np.random.Generator, count: int) -> Array:
     points = rng.random((1, 2))
     while len(points) < count:
         candidates = rng.random((10, 2))
-        distance, _ = cKDTree(points, boxsize=1).query(candidates)
+        distance, _ = KDTree(points, boxsize=1).query(candidates)
         points = np.concatenate([points, candidates[[np.argmax(distance)]]])
     return points

@@ -1,4 +1,7 @@
-"""Image files: 8-bit PNG by Pillow, half and float EXR by OpenEXR. Arrays are (height, width, channels)."""
+"""Image files: 8-bit PNG by Pillow, half and float EXR by OpenEXR.
+
+Arrays are (height, width, channels).
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from precompute.errors import InputError, unreadable
+from precompute.files import written_aside
 
 MODES = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA"}
 EXR_CHANNELS = {1: "Y", 3: "RGB", 4: "RGBA"}
@@ -82,7 +86,5 @@ def write_exr(file: Path, pixels: NDArray[Any]) -> None:
     names = EXR_CHANNELS[pixels.shape[-1]]
     channels = {name: np.ascontiguousarray(stored[..., i]) for i, name in enumerate(names)}
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    aside = file.with_name(file.stem + ".part.exr")
-    with OpenEXR.File(header, channels) as exr:
+    with written_aside(file) as aside, OpenEXR.File(header, channels) as exr:
         exr.write(str(aside))
-    aside.replace(file)

@@ -5,9 +5,9 @@ Gaussian average of the spectrum over wavenumber s = 1/λ, about s* with standar
 
     T(s*, q) = ∫ W(1/s) N(s; s*, q) ds,        W(λ) = S(λ)·(x̄, ȳ, z̄)(λ), a mirror's Y = 1,
 
-and the mean wavenumber s̄ over the lobe, at which everything that varies slowly is looked up. Order 0
-stays at s* = 0 and is seen only where lobes are wide; wide lobes and the environment are sums over
-spectral nodes, bands whose weights are differences of the cumulative table ``weights``.
+and the mean wavenumber s̄ over the lobe, at which everything that varies slowly is looked up. Order
+0 stays at s* = 0 and is seen only where lobes are wide; wide lobes and the environment are sums
+over spectral nodes, bands whose weights are differences of the cumulative table ``weights``.
 """
 
 from __future__ import annotations
@@ -40,7 +40,6 @@ WAVENUMBER_MAX = 1 / WAVELENGTH_MIN
 MARGIN = 3.0
 """How many standard deviations beyond the visible range a lobe's middle still finds its colour."""
 
-WIDTH_AXIS = {"name": "lobe width", "symbol": "q", "unit": "1/um", "mapping": "log"}
 WIDTH_MIN, WIDTH_MAX = 0.004, 0.05
 """q of a lobe: below the first it is as good as monochromatic; above the second a sum over a few
 spectral nodes is exact enough, and order 0 is only ever seen so."""
@@ -68,7 +67,15 @@ def lobes_map(recipe: LobesRecipe, folder: Path) -> Map:
         light = str(folder / light)
     weights = colour_weights(recipe.observer, light)
     basis = tint_basis()
-    widths = Axis(size=recipe.widths, first=WIDTH_MIN, last=WIDTH_MAX, **WIDTH_AXIS)
+    widths = Axis(
+        name="lobe width",
+        symbol="q",
+        unit="1/um",
+        size=recipe.widths,
+        mapping="log",
+        first=WIDTH_MIN,
+        last=WIDTH_MAX,
+    )
     # The range of s* grows with q: x = (s* − s_min + 3q)/(s_max − s_min + 6q).
     position = Axis(
         name="position of the lobe's wavenumber in its range",
@@ -80,11 +87,8 @@ def lobes_map(recipe: LobesRecipe, folder: Path) -> Map:
     )
     layers = Axis(name="tint", symbol="i", unit="1", size=3, first=0, last=2)
     tints = np.stack([np.ones(len(basis)), basis[:, 0], basis[:, 1]])
-    lobe = np.stack(
-        [
-            _gaussian_averages(tint[:, None] * weights, widths.parameters(), position.parameters())
-            for tint in tints
-        ]
+    lobe = _gaussian_averages(
+        tints[:, :, None] * weights, widths.parameters(), position.parameters()
     )
     table = Table(lobe, (layers, widths, position), ("X", "Y", "Z", "mean wavenumber"))
     edges = Axis(
@@ -165,26 +169,32 @@ def lobe_wavenumber(position: Array, width: Array) -> Array:
 
 
 def _gaussian_averages(weights: Array, widths: Array, positions: Array) -> Array:
-    """T and s̄ for every (q, x): shape (widths, positions, 4).
+    """T and s̄ for every (tint, q, x), from weights of shape (tints, 401, 3).
 
-    The spectrum between its samples is a straight line; Simpson's rule on a grid of s fine enough
+    Returns:
+        Shape (tints, widths, positions, 4).
+
+    The spectrum between its samples is a straight line; trapezoids on a grid of s fine enough
     for the narrowest lobe.
     """
     s = np.linspace(WAVENUMBER_MIN, WAVENUMBER_MAX, 3001)
     step = s[1] - s[0]
-    spectrum = np.stack([np.interp(1 / s, WAVELENGTHS, w) for w in weights.T], axis=-1)
+    spectra = [
+        np.stack([np.interp(1 / s, WAVELENGTHS, w) for w in tint.T], axis=-1) for tint in weights
+    ]
     trapezoid = np.full(len(s), step)
     trapezoid[[0, -1]] /= 2
-    result = np.zeros((len(widths), len(positions), 4))
+    result = np.zeros((len(weights), len(widths), len(positions), 4))
     for row, q in enumerate(widths):
         centre = lobe_wavenumber(positions, q)
         exponent = -((s - centre[:, None]) ** 2) / (2 * q**2)
         kernel = np.exp(exponent) * trapezoid / (np.sqrt(2 * np.pi) * q)
-        result[row, :, :3] = kernel @ spectrum
         # Shifted so that its largest value is 1: the mean exists where the colour underflows.
         shifted = np.exp(exponent - exponent.max(axis=1, keepdims=True)) * trapezoid
-        energy = shifted * (spectrum.sum(axis=1) + 1e-12)
-        result[row, :, 3] = (energy @ s) / energy.sum(axis=1)
+        for tint, spectrum in enumerate(spectra):
+            result[tint, row, :, :3] = kernel @ spectrum
+            energy = shifted * (spectrum.sum(axis=1) + 1e-12)
+            result[tint, row, :, 3] = (energy @ s) / energy.sum(axis=1)
     return result
 
 
@@ -193,7 +203,7 @@ def _error_of_interpolation(table: Table, weights: Array) -> dict[str, float | s
     widths, position = table.axes[1:]
     q = widths.parameter_from_texel(np.arange(widths.size - 1) + 0.5)
     x = position.parameter_from_texel(np.arange(position.size - 1) + 0.5)
-    exact = _gaussian_averages(weights, q, x)
+    (exact,) = _gaussian_averages(weights[None], q, x)
     stored = _as_stored(table)
     found = stored.sample(np.zeros((len(q), len(x))), *np.meshgrid(q, x, indexing="ij"))
     return _relative(found[..., :3], exact[..., :3], "direct averages, midway between texels")

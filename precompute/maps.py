@@ -10,12 +10,13 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from scipy.ndimage import map_coordinates
 
 import precompute
 from precompute.axes import Axis
 from precompute.errors import InputError, unreadable
+from precompute.files import written_aside
 from precompute.images import decode_png, encode_png
 from precompute.validation import first_failure
 
@@ -48,6 +49,15 @@ class ArraySpec(BaseModel):
     channels: tuple[str, ...]
     decode: tuple[tuple[float, float], ...] | None = None
 
+    @model_validator(mode="after")
+    def _agrees_with_itself(self) -> ArraySpec:
+        expected = (*(axis.size for axis in self.axes), len(self.channels))
+        if self.shape != expected:
+            raise ValueError(f"the shape of its axes and channels, {expected}, not {self.shape}")
+        if self.dtype == "uint8" and (self.decode is None or len(self.decode) != expected[-1]):
+            raise ValueError("for uint8, decode with an offset and a scale for each channel")
+        return self
+
 
 class Sidecar(BaseModel):
     """What NAME.json says of a map; its fields are described in docs/map-format.md."""
@@ -66,6 +76,20 @@ class Sidecar(BaseModel):
     generator: dict[str, str] = Field(
         default_factory=lambda: {"name": "precompute", "version": precompute.__version__}
     )
+
+    @staticmethod
+    def read(file: Path) -> Sidecar:
+        """Read a sidecar alone; `Map.read` reads its binaries too.
+
+        Raises:
+            InputError: It is missing, of another format or version, or a field is wrong.
+        """
+        try:
+            return Sidecar.model_validate_json(file.read_bytes())
+        except OSError as failure:
+            raise unreadable(file, failure) from failure
+        except ValidationError as failure:
+            raise first_failure(file, failure) from failure
 
 
 @dataclass
@@ -121,6 +145,8 @@ class Map:
     def write(self, folder: Path, name: str) -> list[Path]:
         """Write NAME.json and its binaries, each aside and then renamed, the sidecar last.
 
+        Nothing is written unless all of it can be.
+
         Args:
             folder: Where; made if missing.
             name: The map's name, without extension.
@@ -131,14 +157,12 @@ class Map:
         Raises:
             InputError: A table holds numbers that its storage type cannot.
         """
-        folder.mkdir(parents=True, exist_ok=True)
-        files, arrays = [], {}
+        contents, arrays = {}, {}
         for key, table in self.tables.items():
             suffix = "png" if table.dtype == "uint8" else "bin"
             file = folder / f"{name}.{key}.{suffix}"
             data = _encoded(table, file, key)
-            _replace(file, data)
-            files.append(file)
+            contents[file] = data
             arrays[key] = ArraySpec(
                 file=file.name,
                 dtype=table.dtype,
@@ -158,9 +182,11 @@ class Map:
             recipe=self.recipe,
         )
         text = json.dumps(sidecar.model_dump(exclude_none=True), indent=1, allow_nan=False)
-        file = folder / f"{name}.json"
-        _replace(file, text.encode() + b"\n")
-        return [*files, file]
+        contents[folder / f"{name}.json"] = text.encode() + b"\n"
+        for file, data in contents.items():
+            with written_aside(file) as aside:
+                aside.write_bytes(data)
+        return list(contents)
 
     @staticmethod
     def read(file: Path) -> Map:
@@ -173,13 +199,8 @@ class Map:
             InputError: The sidecar is of another format or version or lacks a field, or a binary
                 is missing, truncated, of another checksum, or holds NaN or infinite texels.
         """
-        file = file.with_name(file.name.removesuffix(".json") + ".json")
-        try:
-            sidecar = Sidecar.model_validate_json(file.read_bytes())
-        except OSError as failure:
-            raise unreadable(file, failure) from failure
-        except ValidationError as failure:
-            raise first_failure(file, failure) from failure
+        file = sidecar_file(file)
+        sidecar = Sidecar.read(file)
         tables = {key: _read_table(file.parent / a.file, a) for key, a in sidecar.arrays.items()}
         return Map(
             kind=sidecar.kind,
@@ -192,16 +213,25 @@ class Map:
         )
 
 
+def sidecar_file(file: Path) -> Path:
+    """The sidecar of a map that is named with or without ``.json``."""
+    return file.with_name(file.name.removesuffix(".json") + ".json")
+
+
 def _encoded(table: Table, file: Path, key: str) -> bytes:
     if table.dtype == "uint8":
         offset, scale = np.array(table.decode).T
-        return encode_png(np.round((table.values - offset) / scale * 255).astype(np.uint8))
-    with np.errstate(over="ignore"):
-        stored = table.values.astype(np.dtype(table.dtype).newbyteorder("<"))
-    if not np.all(np.isfinite(stored)):
-        count = int(np.sum(~np.isfinite(stored)))
-        raise InputError(file, key, f"{count} NaN or infinite texels", f"finite {table.dtype}")
-    return stored.tobytes()
+        stored = np.round((table.values - offset) / scale * 255)
+        good = (stored >= 0) & (stored <= 255)
+        problem, expected = "texels that are NaN or beyond what decode covers", "0 to 255"
+    else:
+        with np.errstate(over="ignore"):
+            stored = table.values.astype(np.dtype(table.dtype).newbyteorder("<"))
+        good = np.isfinite(stored)
+        problem, expected = "NaN or infinite texels", f"finite {table.dtype}"
+    if not good.all():
+        raise InputError(file, key, f"{np.count_nonzero(~good)} {problem}", expected)
+    return encode_png(stored.astype(np.uint8)) if table.dtype == "uint8" else stored.tobytes()
 
 
 def _read_table(file: Path, spec: ArraySpec) -> Table:
@@ -228,9 +258,3 @@ def _read_table(file: Path, spec: ArraySpec) -> Table:
     if bad:
         raise InputError(file, "texels", f"{bad} NaN or infinite", "finite numbers")
     return Table(values, spec.axes, spec.channels, spec.dtype, spec.decode)
-
-
-def _replace(file: Path, data: bytes) -> None:
-    aside = file.with_name(file.name + ".part")
-    aside.write_bytes(data)
-    aside.replace(file)

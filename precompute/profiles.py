@@ -49,7 +49,7 @@ class Rectangular(_Profile):
         return np.where(np.mod(position, 1) < self.duty, 1.0, 0.0)
 
     def amplitude(self, order: int, phase: ArrayLike) -> ComplexArray:
-        step = np.exp(1j * np.asarray(phase, dtype=np.float64)) - 1
+        step: ComplexArray = np.exp(1j * np.asarray(phase, dtype=np.float64)) - 1
         if order == 0:
             return 1 + self.duty * step
         return step * (np.exp(2j * np.pi * order * self.duty) - 1) / (2j * np.pi * order)

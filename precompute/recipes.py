@@ -6,13 +6,32 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 
 from precompute.errors import unreadable
-from precompute.gratings import Positive
+from precompute.gratings import Grating, Light, Positive
+from precompute.methods import Method
 from precompute.profiles import Profile
-from precompute.spectra import Observer
+from precompute.spectra import ILLUMINANTS, Observer
 from precompute.validation import first_failure
+
+
+def _known_illuminant(name: str) -> str:
+    if name not in ILLUMINANTS and not name.endswith(".csv"):
+        raise ValueError(f"one of {', '.join(ILLUMINANTS)} or a .csv file")
+    return name
+
+
+Illuminant = Annotated[str, AfterValidator(_known_illuminant)]
 
 
 class _Recipe(BaseModel):
@@ -52,7 +71,7 @@ class LobesRecipe(_Recipe):
     """
 
     kind: Literal["lobes"]
-    illuminant: str = "D65"
+    illuminant: Illuminant = "D65"
     observer: Observer = "1931-2"
     wavenumbers: Annotated[int, Field(ge=8, le=4096)] = 192
     widths: Annotated[int, Field(ge=4, le=256)] = 12
@@ -93,11 +112,50 @@ class PolygonsFoilRecipe(_Recipe):
     seed: int = 1
 
 
+class GratingRecipe(Grating, Light):
+    """A grating, the light on it and the method that is asked about it; nothing is baked from it.
+
+    Attributes:
+        illuminant: Name, or path of a CSV beside the recipe.
+        method: Which method answers.
+        wavelength_step: Step of the wavelength loop, µm.
+        efficiencies: Of the wavelength loop: the profile's table, or the second-order Taylor
+            coefficients that the 2018 paper uses, for a sinusoid.
+    """
+
+    kind: Literal["grating"]
+    illuminant: Illuminant = "D65"
+    method: Method = "reference"
+    wavelength_step: Annotated[float, Field(ge=0.0001, le=0.05)] = 0.005
+    efficiencies: Literal["table", "taylor"] = "table"
+
+    @field_validator("efficiencies")
+    @classmethod
+    def _taylor_is_sinusoidal(cls, value: str, info: ValidationInfo) -> str:
+        profile = info.data.get("profile")
+        if value == "taylor" and profile is not None and profile.kind != "sinusoidal":
+            raise ValueError(f"table, the profile being {profile.kind}, not sinusoidal")
+        return value
+
+    def grating(self) -> Grating:
+        """The grating alone."""
+        return Grating(**{name: getattr(self, name) for name in Grating.model_fields})
+
+    def light(self, folder: Path) -> Light:
+        """The light alone, a CSV illuminant's path being relative to `folder`."""
+        stated = self.model_fields_set & set(Light.model_fields)
+        fields = {name: getattr(self, name) for name in stated}
+        if self.illuminant.endswith(".csv"):
+            fields["illuminant"] = str(folder / self.illuminant)
+        return Light(**fields)
+
+
 Recipe: TypeAlias = Annotated[
     ProfileRecipe | LobesRecipe | MetalsRecipe | PolygonsFoilRecipe, Field(discriminator="kind")
 ]
 
 _RECIPE: TypeAdapter[Recipe] = TypeAdapter(Recipe)
+_GRATING_RECIPE = TypeAdapter(GratingRecipe)
 
 
 def read_recipe(file: Path) -> Recipe:
@@ -109,6 +167,15 @@ def read_recipe(file: Path) -> Recipe:
     return validated(file, _RECIPE)
 
 
+def read_grating_recipe(file: Path) -> GratingRecipe:
+    """Read the recipe of a grating to be evaluated.
+
+    Raises:
+        InputError: As `read_recipe`.
+    """
+    return validated(file, _GRATING_RECIPE)
+
+
 def validated(file: Path, adapter: TypeAdapter[Any]) -> Any:
     """A JSON file's contents as the type of `adapter`, with `InputError` for whatever is wrong."""
     try:
@@ -118,4 +185,4 @@ def validated(file: Path, adapter: TypeAdapter[Any]) -> Any:
     try:
         return adapter.validate_python(contents)
     except ValidationError as failure:
-        raise first_failure(file, failure) from failure
+        raise first_failure(file, failure, contents) from failure

@@ -31,7 +31,7 @@ Environment = Callable[[Array], Array]
 """Linear sRGB radiance (n, 3) for unit directions (n, 3)."""
 
 
-def propagating_orders(direction: Array, wavelength: ArrayLike, period: float) -> Array:
+def propagating_orders(direction: Array, wavelength: ArrayLike, period: float) -> NDArray[np.int_]:
     """The orders that leave the surface above the horizon: |−ω_xy + (mλ/a) t| < 1.
 
     Args:
@@ -52,7 +52,9 @@ def propagating_orders(direction: Array, wavelength: ArrayLike, period: float) -
     return orders[tangential**2 + direction[1] ** 2 < 1]
 
 
-def order_direction(direction: Array, order: ArrayLike, wavelength: ArrayLike, period: float) -> Array:
+def order_direction(
+    direction: Array, order: ArrayLike, wavelength: ArrayLike, period: float
+) -> Array:
     """Direction of order m for light from (or to) `direction`: the conical grating equation.
 
     (ω_m)_xy = −ω_xy + (mλ/a) t.
@@ -98,9 +100,7 @@ def propagating_efficiency(grating: Grating, direction: Array, wavelength: Array
     for order in range(-limit, limit + 1):
         other = order_direction(direction, order, λ, grating.period)[..., 2]
         φ = 2 * np.pi * (direction[..., 2] + other) * grating.height / λ
-        total += np.where(
-            np.isnan(other), 0, efficiency(grating.profile, order, np.nan_to_num(φ))
-        )
+        total += np.where(np.isnan(other), 0, efficiency(grating.profile, order, np.nan_to_num(φ)))
     return total
 
 
@@ -138,7 +138,9 @@ def reflectance(grating: Grating, wavelength: ArrayLike) -> Array:
     return metal_reflectance(grating.metal, wavelength)
 
 
-def order_efficiency(grating: Grating, wi: Array, order: int, wavelength: float) -> tuple[float, float]:
+def order_efficiency(
+    grating: Grating, wi: Array, order: int, wavelength: float
+) -> tuple[float, float]:
     """η_m and e_m of one propagating order for a plane wave from `wi`.
 
     Args:
@@ -273,7 +275,12 @@ def environment_radiance(
 
 
 def _near_a_lobe(
-    grating: Grating, wi: Array, wo: Array, λ: Array, angular_radius: float, above: NDArray[np.bool_]
+    grating: Grating,
+    wi: Array,
+    wo: Array,
+    λ: Array,
+    angular_radius: float,
+    above: NDArray[np.bool_],
 ) -> list[NDArray[np.intp]]:
     """Rows whose |v| is within a lobe's reach, in pieces that keep memory small."""
     v = wi[:, 1] + wo[:, 1]

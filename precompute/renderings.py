@@ -167,7 +167,7 @@ def _lit_by(
     else:
         raise ValueError(f"the reference has no light of kind {light['kind']}")
     wi = _local(frame, towards)
-    radius = light["angularRadius"] or rendering.material.get("lightAngularRadius", 0.0)
+    radius = light["angularRadius"] or rendering.material.get("lightAngularRadius") or 0.0
     source = rendering.light.model_copy(
         update={"angular_radius": radius, "tint": tuple(colour.tolist())}
     )
@@ -175,9 +175,7 @@ def _lit_by(
     return irradiance * colour_brdf(grating, wi, wo, source)
 
 
-def _lit_by_environment(
-    rendering: Rendering, grating: Grating, frame: Array, wo: Array
-) -> Array:
+def _lit_by_environment(rendering: Rendering, grating: Grating, frame: Array, wo: Array) -> Array:
     texels = rendering.environment
     assert texels is not None
     view = np.array(rendering.view["viewMatrix"]).reshape(4, 4)[:3, :3].T  # stored by columns

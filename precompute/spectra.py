@@ -15,6 +15,7 @@ import colour
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from precompute.columns import Columns
 from precompute.errors import InputError, unreadable
 
 Array = NDArray[np.float64]
@@ -31,7 +32,7 @@ ILLUMINANTS = ("D65", "A", "inverse-A", "LED-B1", "LED-B2", "LED-B3", "LED-B4", 
 WAVELENGTH_MIN = 0.38
 WAVELENGTH_MAX = 0.78
 WAVELENGTH_STEP = 0.001
-WAVELENGTHS: Array = np.round(np.arange(380, 781) * WAVELENGTH_STEP, 6)
+WAVELENGTHS: Array = np.arange(380, 781) / 1000
 """The visible range, 380 to 780 nm by 1 nm, in µm. Shape (401,)."""
 
 
@@ -171,12 +172,13 @@ def xyz_to_linear_srgb(observer: Observer, light: str | Path) -> Array:
     return to_srgb @ adaptation
 
 
-def _on_grid(wavelength: Array, values: Array) -> Array:
+def _on_grid(wavelength: ArrayLike, values: ArrayLike) -> Array:
     """Linear interpolation to `WAVELENGTHS` (the CIE's own rule for D65), zero outside the data."""
-    if values.ndim == 1:
-        return np.interp(WAVELENGTHS, wavelength, values, left=0, right=0)
-    columns = [np.interp(WAVELENGTHS, wavelength, v, left=0, right=0) for v in values.T]
-    return np.stack(columns, axis=-1)
+    wavelength, values = np.asarray(wavelength), np.asarray(values)
+    columns = [
+        np.interp(WAVELENGTHS, wavelength, v, left=0, right=0) for v in np.atleast_2d(values.T)
+    ]
+    return np.stack(columns, axis=-1).reshape(len(WAVELENGTHS), *values.shape[1:])
 
 
 @functools.cache
@@ -188,22 +190,22 @@ def _refractive_index(metal: Metal) -> tuple[Array, Array, Array]:
 
 def _illuminant_from_csv(file: Path) -> Array:
     try:
-        table = np.genfromtxt(file, delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
+        text = file.read_text("utf-8-sig")
     except (OSError, ValueError) as failure:
         raise unreadable(file, failure) from failure
-    names = table.dtype.names or ()
+    table = Columns(file, text.splitlines())
     unit = {"wavelength_um": 1.0, "wavelength_nm": 1e-3}
-    column = next((n for n in names if n in unit), None)
-    if column is None or "power" not in names:
+    column = next((name for name in table.header if name in unit), None)
+    if column is None or "power" not in table.header:
         expected = "columns wavelength_um (or wavelength_nm) and power"
-        raise InputError(file, "header", ",".join(names), expected)
-    wavelength = np.atleast_1d(table[column]) * unit[column]
-    power = np.atleast_1d(table["power"])
+        raise InputError(file, "header", ",".join(table.header), expected)
+    rows = [rows.numbers for rows in table.read((column, "power"))]
+    wavelength = np.concatenate([numbers[column] for numbers in rows]) * unit[column]
+    power = np.concatenate([numbers["power"] for numbers in rows])
     if len(power) < 2 or not np.all(np.diff(wavelength) > 0):
         raise InputError(file, column, wavelength.tolist(), "two or more rising wavelengths")
-    if not np.all(np.isfinite(power)) or power.min() < 0:
-        bad = power[~(np.isfinite(power) & (power >= 0))]
-        raise InputError(file, "power", bad.tolist(), "finite numbers, none negative")
+    if power.min() < 0:
+        raise InputError(file, "power", power[power < 0].tolist(), "no negative numbers")
     on_grid = _on_grid(wavelength, power)
     if on_grid.max() <= 0:
         raise InputError(file, "power", "no light between 0.38 and 0.78 um", "some visible light")

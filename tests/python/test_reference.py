@@ -92,7 +92,9 @@ def test_flat_mirror_returns_its_reflectance(energy: str, theta: float) -> None:
         f = spectral_brdf(mirror, np.broadcast_to(wi, wo.shape), wo, np.full(len(wo), wavelength))
         expected = float(metal_reflectance("gold", wavelength))
         # Kirchhoff's factor is 1 at the mirror direction only; across the lobe it is even to 1e-3.
-        assert f.sum() * area == pytest.approx(expected, rel=2e-3 if energy == "kirchhoff" else 1e-6)
+        assert f.sum() * area == pytest.approx(
+            expected, rel=2e-3 if energy == "kirchhoff" else 1e-6
+        )
 
 
 def kirchhoff_amplitude_squared(grating: Grating, u: float, v: float, w: float, λ: float) -> float:

@@ -1,0 +1,82 @@
+"""What was measured of one scene, before it becomes rows, pictures and text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from precompute.report.comparison import Comparison
+from precompute.report.rows import LeftOut, Row, mark_pareto
+from precompute.report.scenes import Scene
+from precompute.report.shader_cost import StaticCost
+from precompute.report.timing import Times
+
+
+@dataclass(frozen=True)
+class MethodResult:
+    """One method's picture.
+
+    Attributes:
+        comparison: Its error.
+        texture_bytes: Size of the tables that its shader reads.
+        static: Instructions of its shader, None where they could not be counted.
+    """
+
+    comparison: Comparison
+    texture_bytes: int
+    static: StaticCost | None
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """One scene's pictures, in the order of its methods, and their times."""
+
+    scene: Scene
+    methods: tuple[MethodResult, ...]
+    times: Times
+
+    def rows(self) -> list[Row]:
+        """The scene's rows of report.json."""
+        rows = [self._row(index) for index in range(len(self.methods))]
+        mark_pareto(rows)
+        return rows
+
+    def _row(self, index: int) -> Row:
+        method, result = self.scene.methods[index], self.methods[index]
+        ratios = self.times.ratios(str(index))
+        return Row(
+            scene=self.scene.name,
+            surface=self.scene.surface,
+            lighting=self.scene.lighting,
+            method=method.method,
+            seed=method.seed,
+            knobs=method.knobs.stated(),
+            rel_rmse=result.comparison.rel_rmse,
+            delta_e2000_median=result.comparison.delta_e2000_median,
+            delta_e2000_p95=result.comparison.delta_e2000_p95,
+            flip_mean=result.comparison.flip_mean,
+            time_ratio=self.times.ratio(str(index)),
+            time_ratio_min=min(ratios),
+            time_ratio_max=max(ratios),
+            static=result.static,
+            texture_bytes=result.texture_bytes,
+        )
+
+
+def white_light_saves(results: dict[str, SceneResult]) -> list[LeftOut]:
+    """What a white light saves over a tinted one: two scenes that differ in nothing else."""
+    if not {"plane-flash", "plane-flash-tinted"} <= results.keys():
+        return []
+    white, tinted = (results[name].rows()[0] for name in ("plane-flash", "plane-flash-tinted"))
+    if white.static is None or tinted.static is None:
+        return []
+    instructions = [sum(cost.model_dump().values()) for cost in (white.static, tinted.static)]
+    return [
+        LeftOut(
+            scene="plane-flash",
+            feature="basis spectra of a tinted light",
+            why="all lights are white: one table row in place of three",
+            saved_time=tinted.time_ratio - white.time_ratio,
+            saved_instructions=instructions[1] - instructions[0],
+            saved_bytes=tinted.texture_bytes - white.texture_bytes,
+        )
+    ]

@@ -1,0 +1,173 @@
+"""The report, from scenes to files."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+
+from precompute.renderings import Rendering, reference_xyz
+from precompute.report import browser
+from precompute.report.comparison import compare
+from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
+from precompute.report.measurements import MethodResult, SceneResult, white_light_saves
+from precompute.report.page import index_page
+from precompute.report.pictures import draw_comparison, draw_pareto
+from precompute.report.rows import Report, Stability
+from precompute.report.scenes import METHOD_OPTIONS, Scene
+from precompute.report.shader_cost import StaticCost, missing_packages, static_cost
+from precompute.report.timing import LAUNCHES, Times, timing_request
+
+MAPS = browser.ROOT / "maps" / "baked"
+SCENES = browser.ROOT / "tests" / "scenes"
+THREADS = 1
+"""Of the renderer when it is timed: tests/browser/time.mjs."""
+
+
+def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
+    """Measure scenes and write report.json, index.md and the pictures.
+
+    The folder is written aside and takes its name when it is complete.
+
+    Args:
+        scenes: What to measure.
+        output: The folder; what it held before goes.
+        console: For progress and remarks.
+
+    Raises:
+        BrowserError: A scene did not render.
+        InputError: A rendering cannot be compared.
+    """
+    lacking = missing_packages()
+    if lacking:
+        console.print(
+            f"No static instruction counts: apt-get install {' '.join(lacking)}", style="yellow"
+        )
+    with tempfile.TemporaryDirectory() as folder, Progress(console=console) as progress:
+        work = Path(folder)
+        _render(scenes, work, progress)
+        methods = _compare(scenes, work, progress, count=not lacking)
+        furnaces = {name: Rendering.read(work, _furnace(name)) for name in PROFILES}
+        times = _time(scenes, work, progress)
+    results = {s.name: SceneResult(s, methods[s.name], times[s.name]) for s in scenes}
+    report = Report(
+        backend=furnaces[PROFILES[0]].backend,
+        threads=THREADS,
+        rows=[row for result in results.values() for row in result.rows()],
+        stability=[_stability(name, measure_furnace(drawn)) for name, drawn in furnaces.items()],
+        left_out=white_light_saves(results),
+    )
+    _write(report, results, output, lacking)
+    return report
+
+
+@contextmanager
+def _stage(progress: Progress, name: str, total: int) -> Iterator[Callable[[], None]]:
+    """A bar that fills; a log, which shows no bars, gets a line when the stage begins."""
+    if not progress.console.is_terminal:
+        progress.console.print(f"{name}: {total} …")
+    task = progress.add_task(name, total=total)
+    yield lambda: progress.advance(task)
+
+
+def _furnace(profile: str) -> str:
+    return f"furnace.{profile}"
+
+
+def _render(scenes: list[Scene], work: Path, progress: Progress) -> None:
+    descriptions: dict[str, dict[str, Any]] = {
+        scene.picture_name(index): scene.drawn_by(method)
+        for scene in scenes
+        for index, method in enumerate(scene.methods)
+    }
+    for profile in PROFILES:
+        description = furnace_description(profile, METHOD_OPTIONS["closed-form"])
+        descriptions[_furnace(profile)] = description
+    with _stage(progress, "Rendering", len(descriptions)) as advance:
+        for _ in browser.render(descriptions, work):
+            advance()
+
+
+def _compare(
+    scenes: list[Scene], work: Path, progress: Progress, count: bool
+) -> dict[str, tuple[MethodResult, ...]]:
+    results: dict[str, tuple[MethodResult, ...]] = {}
+    with _stage(progress, "Reference", len(scenes)) as advance:
+        for scene in scenes:
+            names = [scene.picture_name(index) for index in range(len(scene.methods))]
+            renderings = [Rendering.read(work, name) for name in names]
+            # All methods draw the same geometry.
+            reference = reference_xyz(renderings[0], MAPS)
+            results[scene.name] = tuple(
+                MethodResult(
+                    comparison=compare(rendering, reference),
+                    texture_bytes=_texture_bytes(work / f"{name}.json"),
+                    static=_static(work / f"{name}.frag") if count else None,
+                )
+                for name, rendering in zip(names, renderings, strict=True)
+            )
+            advance()
+    return results
+
+
+def _texture_bytes(file: Path) -> int:
+    return sum(table["bytes"] for table in json.loads(file.read_text("utf-8"))["tables"])
+
+
+def _static(file: Path) -> StaticCost:
+    return static_cost(file.read_text("utf-8"))
+
+
+def _time(scenes: list[Scene], work: Path, progress: Progress) -> dict[str, Times]:
+    requests = {scene.name: timing_request(scene) for scene in scenes}
+    times = {scene.name: Times() for scene in scenes}
+    with _stage(progress, "Timing", LAUNCHES * len(scenes)) as advance:
+        for _ in range(LAUNCHES):
+            for name, milliseconds in browser.time(requests, work):
+                times[name].launches.append(milliseconds)
+                advance()
+    return times
+
+
+def _stability(profile: str, furnace: Furnace) -> Stability:
+    return Stability(
+        case=f"white furnace to 89°, {profile}, period 1 µm, height 0.3 µm",
+        method="closed-form",
+        samples=furnace.samples,
+        non_finite=furnace.non_finite,
+        negative_energy=furnace.negative,
+        max_albedo=furnace.largest,
+        rel_rmse=furnace.rms_from_one,
+        float="fp32",
+    )
+
+
+def _write(
+    report: Report, results: dict[str, SceneResult], output: Path, lacking: list[str]
+) -> None:
+    aside = output.with_name(f"{output.name}.new")
+    before = output.with_name(f"{output.name}.old")
+    shutil.rmtree(aside, ignore_errors=True)
+    aside.mkdir(parents=True)
+    try:
+        (aside / "report.json").write_text(report.to_json(), "utf-8")
+        (aside / "index.md").write_text(index_page(report, results, lacking), "utf-8")
+        for name, result in results.items():
+            labels = [method.label for method in result.scene.methods]
+            draw_pareto(result.rows(), labels, aside / f"{name}.png")
+            for index, method in enumerate(result.methods):
+                draw_comparison(method.comparison, aside / f"{name}.{index}.png")
+        shutil.rmtree(before, ignore_errors=True)
+        if output.exists():
+            output.rename(before)
+        aside.rename(output)
+        shutil.rmtree(before, ignore_errors=True)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)

@@ -1,0 +1,146 @@
+"""What the browser draws against the reference, pixel by pixel, on float radiance.
+
+One launch of Chromium on llvmpipe draws small versions of the scenes of tests/scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from precompute.bake import bake
+from precompute.errors import InputError
+from precompute.renderings import Rendering, reference_xyz
+from precompute.report import browser
+from precompute.report.comparison import Comparison, compare
+from precompute.report.furnace import PROFILES, furnace_description, measure_furnace
+from precompute.report.scenes import METHOD_OPTIONS, Scene
+
+ROOT = Path(__file__).resolve().parents[2]
+MAPS = ROOT / "maps" / "baked"
+
+CLOSED: dict[str, Any] = METHOD_OPTIONS["closed-form"]
+LOOP: dict[str, Any] = METHOD_OPTIONS["wavelength-loop"]
+NANOMETRES = LOOP | {"wavelengthStep": 0.001}
+ARC = LOOP | {"environmentNodes": 401}
+
+# Scene, pixels, method, and the largest errors allowed: relative RMSE of XYZ radiance and 95th
+# percentile of ΔE2000. The loop at 1 nm sums the reference's own wavelengths and the arc of 401
+# nodes its own directions: what is left to them is tables of halves and filters of 8 bits.
+CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
+    "rectangular, 0.6 µm": ("plane-sharp-rectangular", (192, 24), CLOSED, 0.01, 1),
+    "rectangular, 0.6 µm, by 1 nm": ("plane-sharp-rectangular", (192, 24), NANOMETRES, 0.01, 0.2),
+    "blazed, 3 µm": ("plane-sharp-blazed", (192, 24), CLOSED, 0.01, 1),
+    "blazed, 50°": ("plane-sharp-blazed-steep", (192, 24), CLOSED, 0.01, 1),
+    "blazed, 50°, by 1 nm": ("plane-sharp-blazed-steep", (192, 24), NANOMETRES, 0.01, 0.2),
+    "triangular, sphere": ("sphere-sharp-triangular", (128, 128), CLOSED, 0.01, 1),
+    "sampled, sphere": ("sphere-sharp-sampled", (64, 64), CLOSED, 0.01, 1),
+    "sinusoidal, Kirchhoff": ("plane-sharp-kirchhoff", (192, 24), CLOSED, 0.01, 1),
+    "sinusoidal, gold, flash": ("plane-flash-gold", (96, 96), CLOSED, 0.01, 1),
+    "sinusoidal, tinted flash": ("plane-flash-tinted", (96, 96), CLOSED, 0.01, 1),
+    "foil, flash": ("foil-near", (96, 96), CLOSED, 0.01, 1),
+    "disc, sun": ("disc-sun", (128, 128), CLOSED, 0.01, 1),
+    "environment, 401 nodes": ("environment-studio", (36, 36), ARC, 0.005, 0.5),
+}
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where everything is drawn, in one launch."""
+    if not (MAPS / "metals.json").is_file():
+        for recipe in sorted((ROOT / "maps" / "recipes").glob("*.json")):
+            bake(recipe, MAPS)
+    descriptions = {}
+    for name, (scene, size, method, _, _) in CASES.items():
+        description = Scene.read(ROOT / "tests" / "scenes" / f"{scene}.json").description
+        material = description.get("material", {}) | method
+        descriptions[name] = description | {"size": size, "material": material}
+    for profile in PROFILES:
+        descriptions[f"furnace {profile}"] = furnace_description(profile, CLOSED)
+    drawn = tmp_path_factory.mktemp("pixels")
+    assert list(browser.render(descriptions, drawn)) == list(descriptions)
+    return drawn
+
+
+def compared(rendering: Rendering) -> Comparison:
+    return compare(rendering, reference_xyz(rendering, MAPS))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_pixels_are_the_references(folder: Path, case: str) -> None:
+    *_, rmse, delta_e = CASES[case]
+    comparison = compared(Rendering.read(folder, case))
+    assert comparison.lit > 50
+    assert comparison.rel_rmse <= rmse
+    assert comparison.delta_e2000_p95 <= delta_e
+
+
+def longer_period(rendering: Rendering) -> None:
+    rendering.layers["tangent"][..., 3] /= 1.01
+
+
+def mirrored(rendering: Rendering) -> None:
+    rendering.layers["grating"] *= -1
+
+
+def aluminium(rendering: Rendering) -> None:
+    del rendering.scene["material"]["metal"]
+
+
+def higher(rendering: Rendering) -> None:
+    rendering.scene["surface"]["height"] *= 1.03
+
+
+def white(rendering: Rendering) -> None:
+    grey = float(np.mean(rendering.view["lights"][0]["color"]))
+    rendering.view["lights"][0]["color"] = [grey] * 3
+
+
+def smooth(rendering: Rendering) -> None:
+    rendering.scene["material"]["roughness"] *= 0.9
+
+
+PLANTED: list[tuple[str, Callable[[Rendering], None]]] = [
+    ("rectangular, 0.6 µm, by 1 nm", longer_period),
+    ("blazed, 50°", mirrored),
+    ("blazed, 3 µm", mirrored),
+    ("sinusoidal, gold, flash", aluminium),
+    ("sinusoidal, Kirchhoff", higher),
+    ("sinusoidal, tinted flash", white),
+    ("disc, sun", smooth),
+]
+
+
+@pytest.mark.parametrize(("case", "mistake"), PLANTED, ids=lambda p: getattr(p, "__name__", p))
+def test_a_planted_mistake_is_seen(
+    folder: Path, case: str, mistake: Callable[[Rendering], None]
+) -> None:
+    rendering = Rendering.read(folder, case)
+    mistake(rendering)
+    try:
+        comparison = compared(rendering)
+    except InputError as error:
+        # Light thrown to the other side leaves nothing here.
+        assert error.field == "reference"
+        return
+    assert comparison.rel_rmse > CASES[case][3]
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_white_furnace_returns_the_metal(folder: Path, profile: str) -> None:
+    furnace = measure_furnace(Rendering.read(folder, f"furnace {profile}"))
+    assert furnace.samples > 10_000
+    assert furnace.non_finite == 0
+    assert furnace.largest <= 1 + 1e-3
+    # Where next to all light falls on orders that do not propagate, the shader stops normalising.
+    assert furnace.smallest >= 1 - 1e-2
+
+
+def test_a_scene_that_does_not_render_is_an_error(tmp_path: Path) -> None:
+    description = furnace_description("no-such-profile", CLOSED)
+    with pytest.raises(browser.BrowserError, match="profile-no-such-profile"):
+        list(browser.render({"broken": description}, tmp_path))
