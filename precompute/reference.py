@@ -99,6 +99,8 @@ def propagating_efficiency(grating: Grating, direction: Array, wavelength: Array
     limit = int(np.ceil(2 * grating.period / λ.min()))
     for order in range(-limit, limit + 1):
         other = order_direction(direction, order, λ, grating.period)[..., 2]
+        if np.isnan(other).all():
+            continue
         φ = 2 * np.pi * (direction[..., 2] + other) * grating.height / λ
         total += np.where(np.isnan(other), 0, efficiency(grating.profile, order, np.nan_to_num(φ)))
     return total

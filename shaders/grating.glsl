@@ -168,7 +168,8 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 			seen += efficiency * radiance;
 		}
 		#if !defined(ENERGY_KIRCHHOFF) && !defined(ENERGY_RECIPROCAL)
-		seen /= max(total, 1e-4);
+		// The mean needs no floor as the light's lobes do: what is divided has the same factor.
+		seen /= max(total, 1e-12);
 		#endif // ENERGY
 		xyz += node.tints * seen;
 	}

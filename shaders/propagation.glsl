@@ -19,8 +19,8 @@ float orderCosine(vec3 direction, float offset) {
 }
 
 // The mean of 1/N(ω, s) over a lobe, N = Σ η_j over the orders that propagate, each at its own phase depth.
-// Order j begins to propagate at s = |j|/a / (√(1 − ω_y²) + sgn(j) ω_x), where N steps; the order at whose step the lobe
-// lies counts for the share of the lobe beyond it. direction: ω; wavenumber, width: mean and standard deviation of
+// Order j begins to propagate at s = |j|/a / (√(1 − ω_y²) + sgn(j) ω_x), where N steps; orders at whose step the
+// lobe lies count for the share of the lobe beyond it. direction: ω; wavenumber, width: mean and standard deviation of
 // the lobe, 1/µm; frequency: 1/a, 1/µm.
 float reciprocalEfficiency(vec3 direction, float wavenumber, float width, float frequency) {
 	float reach = sqrt(max(1.0 - direction.y * direction.y, 0.0));
@@ -36,10 +36,12 @@ float reciprocalEfficiency(vec3 direction, float wavenumber, float width, float 
 		if (beyond >= 1.0) {
 			full += efficiency;
 		} else if (beyond > 0.0) {
-			partial = efficiency;
-			share = beyond;
+			// Orders ±m step together where the light stands overhead.
+			partial += efficiency;
+			share += beyond * efficiency;
 		}
 	}
+	share /= max(partial, 1e-12);
 	// 1e-4: a relief can send all its light into orders that do not propagate; what scalar theory then says of the
 	// rest is noise, and must not be divided by zero.
 	return mix(1.0 / max(full, 1e-4), 1.0 / max(full + partial, 1e-4), share);
