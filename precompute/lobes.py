@@ -40,7 +40,7 @@ WAVENUMBER_MAX = 1 / WAVELENGTH_MIN
 MARGIN = 3.0
 """How many standard deviations beyond the visible range a lobe's middle still finds its colour."""
 
-WIDTH_MIN, WIDTH_MAX = 0.004, 0.05
+WIDTH_MIN, WIDTH_MAX = 0.004, 0.08
 """q of a lobe: below the first it is as good as monochromatic; above the second a sum over a few
 spectral nodes is exact enough, and order 0 is only ever seen so."""
 

@@ -74,7 +74,7 @@ class LobesRecipe(_Recipe):
     illuminant: Illuminant = "D65"
     observer: Observer = "1931-2"
     wavenumbers: Annotated[int, Field(ge=8, le=4096)] = 192
-    widths: Annotated[int, Field(ge=4, le=256)] = 12
+    widths: Annotated[int, Field(ge=4, le=256)] = 14
 
 
 class MetalsRecipe(_Recipe):

@@ -74,7 +74,13 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀC⁻¹d · det C
 		float width = wide ? NODE_WIDTH * s * s : sqrt(determinant / adjugate);
 		vec4 color = vec4(node.xyz, s);
-		if (!wide) color = lobeColor(g * (c.y * u - c.z * v) / adjugate, width, tint);
+		if (!wide) {
+			// To first order in its relative variance a blurred lobe, a Gaussian in wavelength, is one in wavenumber that is
+			// shifted and widened by as much as the blur's share of it.
+			float middle = g * (c.y * u - c.z * v) / adjugate;
+			float skew = (1.0 - uWindowVariance / c.x) * width * width / max(middle * middle, 0.25);
+			color = lobeColor(middle * (1.0 + skew), width * (1.0 + 4.0 * skew), tint);
+		}
 		float phase = reliefPhase(uvw.z, color.w);
 		float sum = 0.0;
 		ivec2 range = wide ? orders : ivec2(m);

@@ -62,7 +62,7 @@ def draw_pareto(rows: list[Row], labels: list[str], file: Path) -> None:
         linewidth=1,
         zorder=1,
     )
-    for row, label in zip(rows, labels, strict=True):
+    for index, (row, label) in enumerate(zip(rows, labels, strict=True)):
         span = [row.time_ratio_min], [row.time_ratio_max]
         axes.hlines([row.rel_rmse], *span, color="grey", linewidth=1)
         dot = "tab:orange" if row.seed else "tab:blue"
@@ -70,7 +70,7 @@ def draw_pareto(rows: list[Row], labels: list[str], file: Path) -> None:
         axes.annotate(
             f"{label} (seed)" if row.seed else label,
             (row.time_ratio, row.rel_rmse),
-            xytext=(0, 6),
+            xytext=(0, 6 if index % 2 == 0 else -14),  # neighbours' labels do not meet
             textcoords="offset points",
             ha="center",
             fontsize=8,

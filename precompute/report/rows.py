@@ -47,7 +47,7 @@ class Row(_Entry):
     lighting: Lighting
     method: str
     seed: bool
-    knobs: dict[str, float]
+    knobs: dict[str, int | float]
     rel_rmse: Share
     delta_e2000_median: Share
     delta_e2000_p95: Share

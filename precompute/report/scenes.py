@@ -36,7 +36,7 @@ class Knobs(BaseModel):
     wavelength_step: Annotated[float, Field(gt=0)] | None = None
     environment_nodes: Annotated[int, Field(ge=1)] | None = None
 
-    def stated(self) -> dict[str, float]:
+    def stated(self) -> dict[str, int | float]:
         """The knobs that are set, by name."""
         return self.model_dump(exclude_none=True)
 

@@ -18,7 +18,7 @@ export interface GratingOpticsSettings extends OpticsSettings {
   period: readonly [number, number]
 }
 
-/** Nodes of the direct sum for wide lobes: their bands are then 0.05 1/µm wide, as is the narrowest such lobe. */
+/** Nodes of the direct sum for wide lobes: their bands are then 0.05 1/µm wide, the narrowest such lobe 0.08. */
 const WIDE_LOBE_NODES = 28
 
 /** The visible range in wavelength, µm. */
