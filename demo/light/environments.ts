@@ -1,6 +1,6 @@
 import { DataTexture, EquirectangularReflectionMapping } from 'three'
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js'
-import { clampNegative } from './clamp-negative'
+import { lightTexels } from '../../web'
 import { meanLuminance } from './mean-luminance'
 
 /** Environments to choose from: names in @pmndrs/assets/hdri, and what they show. */
@@ -25,9 +25,9 @@ const modules = import.meta.glob<string>('../../node_modules/@pmndrs/assets/hdri
 
 export interface Environment {
   texture: DataTexture
-  /** Texels that were below zero in some channel, and are zero now. */
-  clamped: number
-  texels: number
+  /** Channels of its texels that held what light cannot be, and were repaired. */
+  repaired: number
+  channels: number
   /** Mean luminance over all directions, as the file counts it. */
   mean: number
 }
@@ -53,11 +53,14 @@ async function fetchEnvironment(name: EnvironmentName): Promise<Environment> {
   if (fetchModule === undefined) throw new Error(`@pmndrs/assets has no environment ${name}`)
   const texture = await new EXRLoader().loadAsync(await fetchModule())
   texture.mapping = EquirectangularReflectionMapping
-  const { width, height, data } = texture.image as {
-    width: number
-    height: number
-    data: Uint16Array
+  const image = texture.image as { width: number; height: number; data: Uint16Array }
+  // Here and not only in the material, since the background shows the same texture.
+  const { data, changed } = lightTexels(image.data)
+  image.data = data
+  return {
+    texture,
+    repaired: changed,
+    channels: data.length,
+    mean: meanLuminance(data, image.width, image.height),
   }
-  const clamped = clampNegative(data)
-  return { texture, clamped, texels: width * height, mean: meanLuminance(data, width, height) }
 }

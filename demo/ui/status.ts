@@ -7,7 +7,7 @@ export function showStatus({ subject, surroundings }: Demo): void {
   const text =
     loaded === null
       ? 'No environment: the flash alone lights the scene.'
-      : `Environment: ${loaded.clamped} of ${loaded.texels} texels were below zero and are set to zero.`
+      : `Environment: ${loaded.repaired} of ${loaded.channels} numbers were negative and are set to zero.`
   write('caption', subject.caption)
   write('status', text)
 }

@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
+from example_profiles import PROFILES
 
 from precompute.gratings import Grating, Light
 from precompute.profiles import (
     Blazed,
     Profile,
-    Rectangular,
-    Sampled,
-    Sinusoidal,
-    Triangular,
     efficiency,
     efficiency_table,
 )
@@ -29,14 +26,6 @@ from precompute.spectra import (
     tint_basis,
     white_xyz,
 )
-
-PROFILES: list[Profile] = [
-    Sinusoidal(),
-    Rectangular(duty=0.3),
-    Blazed(),
-    Triangular(apex=0.4),
-    Sampled(heights=(0.0, 0.7, 1.0, 0.9, 0.2)),
-]
 
 
 def direction(theta_deg: float, phi_deg: float = 0.0) -> np.ndarray:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from example_profiles import PROFILES
 from scipy.integrate import quad
 from scipy.special import jv
 
@@ -12,24 +13,12 @@ from precompute.efficiencies import profile_map
 from precompute.lobes import lobe_wavenumber, lobes_map, metals_map
 from precompute.maps import Map
 from precompute.profiles import (
-    Blazed,
     Profile,
-    Rectangular,
-    Sampled,
     Sinusoidal,
-    Triangular,
     efficiency,
 )
 from precompute.recipes import LobesRecipe, MetalsRecipe, ProfileRecipe
 from precompute.spectra import METALS, WAVELENGTHS, colour_weights, metal_reflectance, tint_basis
-
-PROFILES: list[Profile] = [
-    Sinusoidal(),
-    Rectangular(duty=0.3),
-    Blazed(),
-    Triangular(apex=0.4),
-    Sampled(heights=(0.0, 0.7, 1.0, 0.9, 0.2)),
-]
 
 
 def stored(baked: Map, folder: Path) -> Map:
