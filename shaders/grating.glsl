@@ -12,6 +12,8 @@ uniform highp sampler2D uEnvironmentNodes;
 
 // exp(−14) = 8e-7: a lobe is left out where it has fallen below that share of its peak.
 #define EXPONENT_CUT 14.0
+// 1/√12, the standard deviation of a box of width 1: a node's band is one.
+#define BOX_DEVIATION 0.288675
 
 // Covariance of a lobe in the plane of (u, v) beyond that of the coherence window (xx, yy, xy).
 // Normals tilted by ε move (u, v) by wε; a light's disc projects onto the surface. wi: grating frame.
@@ -43,9 +45,9 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) 
 			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * orderEfficiency(m, phase);
 		}
 		if (sum > 0.0) {
-			// dλ of the band times s² N = N ds. A band of width B is a box: B/√12 its standard deviation.
+			// dλ of the band times s² N = N ds.
 			float density = s * s * sum / (2.0 * PI * sqrt(determinant));
-			float factor = energyFactor(wi, wo, s, 0.289 * s * s * node.bandwidth, frequency);
+			float factor = energyFactor(wi, wo, s, BOX_DEVIATION * s * s * node.bandwidth, frequency);
 			xyz += node.tints * tint * (density * factor);
 		}
 	}
@@ -125,10 +127,10 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	float spread = sqrt(uWindowVariance + sHigh * sHigh * (max(blur.x, blur.y) + abs(blur.z)));
 	float rho = length(uvw.xy);
 	bool wide = spread > LOBE_WIDTH_MAX * rho;
-	// Orders m/a in reach, for u ≥ 0. Wide: s·u within the exponent's cut, √28 = 5.3 standard deviations, for some visible
+	// Orders m/a in reach, for u ≥ 0. Wide: s·u within the exponent's cut for some visible
 	// s. Narrow: the lobe's middle (m/a) u/ρ² within its table's margin of the visible range.
 	float stretch = wide ? abs(uvw.x) : rho * rho / max(abs(uvw.x), 1e-6);
-	float slack = wide ? 5.3 * spread : LOBE_MARGIN * spread * stretch / rho;
+	float slack = wide ? sqrt(2.0 * EXPONENT_CUT) * spread : LOBE_MARGIN * spread * stretch / rho;
 	vec2 range = vec2(sLow * stretch - slack, sHigh * stretch + slack) / p.frequency;
 	if (uvw.x < 0.0) range = -range.yx;
 	range = clamp(range, -float(MAX_ORDER), float(MAX_ORDER));
@@ -152,7 +154,7 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 		float s = 1.0 / node.wavelength;
 		float shift = p.frequency * node.wavelength;
 		ivec2 orders = propagatingOrders(o, shift);
-		float width = 0.289 * s * s * node.bandwidth;
+		float width = BOX_DEVIATION * s * s * node.bandwidth;
 		vec3 seen = vec3(0.0);
 		float total = 0.0;
 		for (int m = orders.x; m <= orders.y; m++) {
