@@ -18,8 +18,11 @@ from precompute.efficiencies import profile_map
 from precompute.errors import InputError
 from precompute.gratings import Grating, Light
 from precompute.lobes import (
+    BAND_DEVIATION,
+    EXPONENT_CUT,
     WAVENUMBER_MAX,
     WAVENUMBER_MIN,
+    WIDE_LOBE_NODES,
     WIDTH_MAX,
     WIDTH_MIN,
     lobe_position,
@@ -30,9 +33,6 @@ from precompute.recipes import LobesRecipe, ProfileRecipe
 from precompute.spectra import Observer, metal_reflectance
 
 Array = NDArray[np.float64]
-
-EXPONENT_CUT = 14.0
-WIDE_LOBE_NODES = 28
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,7 @@ class ClosedForm:
         """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3)."""
         u, v, _ = (wi + wo).T
         blur = self.blur(wi, wo)
-        widest = np.maximum(blur[0], blur[1]) + np.abs(blur[2])
-        spread = np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
+        spread = self.spread(wi, wo)
         above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
         near = above & (v**2 <= 2 * EXPONENT_CUT * (self.window / WAVENUMBER_MIN**2 + blur[1]))
         wide = spread > WIDTH_MAX * np.hypot(u, v)
@@ -102,6 +101,12 @@ class ClosedForm:
             ]
         )
 
+    def spread(self, wi: Array, wo: Array) -> Array:
+        """The largest standard deviation of a lobe in spatial frequency, 1/µm, shape (n,)."""
+        tilt = (wi[:, 2] + wo[:, 2]) * self.grating.roughness
+        widest = tilt**2 + self.light.angular_radius**2
+        return np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
+
     def _narrow(self, m: int, wi: Array, wo: Array, blur: Array) -> Array:
         u, v, w = (wi + wo).T
         g = m / self.grating.period
@@ -127,7 +132,7 @@ class ClosedForm:
         """f_r of all orders at a node's wavelength, 1/sr, shape (n,)."""
         u, v, w = (wi + wo).T
         s = np.full(len(u), 1 / node.wavelength)
-        width = s**2 * node.bandwidth / np.sqrt(12)
+        width = s**2 * node.bandwidth * BAND_DEVIATION
         c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * blur
         determinant = c_uu * c_vv - c_uv**2
         total = np.zeros(len(u))

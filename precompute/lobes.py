@@ -44,6 +44,17 @@ WIDTH_MIN, WIDTH_MAX = 0.004, 0.08
 """q of a lobe: below the first it is as good as monochromatic; above the second a sum over a few
 spectral nodes is exact enough, and order 0 is only ever seen so."""
 
+EXPONENT_CUT = 14.0
+"""exp(−14) = 8e-7: a lobe is left out where it has fallen below that share of its peak."""
+
+WIDE_LOBE_NODES = 20
+"""Bands of the sum for wide lobes: enough for lobes of more than WIDTH_MAX, and for order 0, whose
+efficiency and N vary over the whole spectrum."""
+
+BAND_DEVIATION = 0.4
+"""Deviations of a Gaussian that count as one band's width where N steps within it: over a Gaussian
+the shares of N's sides are taken to change linearly, within 1.25 deviations; over a band they do."""
+
 LAYERS = ("white", "red", "green")
 """Tints in the table; the blue basis is white less red less green."""
 
@@ -119,6 +130,8 @@ def lobes_map(recipe: LobesRecipe, folder: Path) -> Map:
             "wavenumber_min": WAVENUMBER_MIN,
             "wavenumber_max": WAVENUMBER_MAX,
             "margin": MARGIN,
+            "exponent_cut": EXPONENT_CUT,
+            "wide_lobe_nodes": WIDE_LOBE_NODES,
         },
     )
 

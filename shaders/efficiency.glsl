@@ -1,6 +1,6 @@
 // The one place that knows how much light an order takes: a profile is data here, never a branch.
 
-uniform highp sampler2D uEfficiencyTable;  // eta_m(phi): phase along x (squared), order along y
+uniform highp sampler2D uEfficiencyTable;  // eta_m(phi) and its step to the next phase: phase along x (squared), order along y
 uniform float uGratingHeight;              // h0, µm
 
 // η_m(φ), the scalar efficiency of order m, whose lobe lies at u = mλ/a. phase: φ = 2π w h0/λ, rad, ≥ 0, held within
@@ -14,10 +14,10 @@ float orderEfficiency(int order, float phase) {
 	if (m == 1) return 0.25 * (b2 + b2 * b2);
 	return m == 2 ? b2 * b2 / 64.0 : 0.0;
 	#else
-	float x = sqrt(min(phase / PHASE_MAX, 1.0));
-	vec2 texels = vec2(EFFICIENCY_PHASES, float(2 * TABLE_ORDER + 1));
-	vec2 texel = vec2(x * (texels.x - 1.0), float(order + TABLE_ORDER));
-	return textureLod(uEfficiencyTable, (texel + 0.5) / texels, 0.0).r;
+	float x = sqrt(min(phase / PHASE_MAX, 1.0)) * float(EFFICIENCY_PHASES - 1);
+	int column = int(x);
+	vec2 texel = texelFetch(uEfficiencyTable, ivec2(column, order + TABLE_ORDER), 0).rg;
+	return texel.r + (x - float(column)) * texel.g;
 	#endif // EFFICIENCY_TAYLOR
 }
 

@@ -10,10 +10,9 @@ uniform highp sampler2D uLightNodes;
 uniform highp sampler2D uEnvironmentNodes;
 #endif // ENVIRONMENT
 
-// exp(−14) = 8e-7: a lobe is left out where it has fallen below that share of its peak.
-#define EXPONENT_CUT 14.0
-// 1/√12, the standard deviation of a box of width 1: a node's band is one.
-#define BOX_DEVIATION 0.288675
+// Over a lobe's width the shares of N's sides change linearly, within 1.25 deviations of its middle. A node's band is a
+// box, whose shares do so exactly: its width counts as 2.5 deviations.
+#define BAND_DEVIATION 0.4
 
 // Covariance of a lobe in the plane of (u, v) beyond that of the coherence window (xx, yy, xy).
 // Normals tilted by ε move (u, v) by wε; a light's disc projects onto the surface. wi: grating frame.
@@ -33,7 +32,7 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) 
 	vec3 uvw = wi + wo;
 	vec3 xyz = vec3(0.0);
 	for (int i = 0; i < LIGHT_NODES; i++) {
-		SpectralNode node = spectralNode(uLightNodes, i);
+		LitNode node = litNode(uLightNodes, i, tint);
 		float s = 1.0 / node.wavelength;
 		vec3 c = vec3(uWindowVariance, uWindowVariance, 0.0) + s * s * blur;
 		float determinant = c.x * c.y - c.z * c.z;
@@ -47,8 +46,8 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) 
 		if (sum > 0.0) {
 			// dλ of the band times s² N = N ds.
 			float density = s * s * sum / (2.0 * PI * sqrt(determinant));
-			float factor = energyFactor(wi, wo, s, BOX_DEVIATION * s * s * node.bandwidth, frequency);
-			xyz += node.tints * tint * (density * factor);
+			float factor = energyFactor(wi, wo, s, BAND_DEVIATION * s * s * node.bandwidth, frequency);
+			xyz += node.color * (density * factor);
 		}
 	}
 	return xyz;
@@ -58,7 +57,8 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) 
 // spatial frequency, its density over wavenumber is N(s d − g; C):
 // - narrow lobes, one an order: a Gaussian in s about s* = dᵀC⁻¹g/dᵀC⁻¹d with variance q² = 1/dᵀC⁻¹d, times
 //   exp(−½ (g × d)²/(det C · dᵀC⁻¹d)); the spectrum's average over it is a lookup.
-// - wide lobes (order 0 always is, where it is seen): a sum over few spectral nodes, of all orders at each.
+// - wide lobes (order 0 always is, where it is seen): a sum over few spectral nodes; where WIDE_LOBES is defined, of all
+//   orders at each, else no other order can be wide.
 // Both share one loop body: a program that runs both sides of a branch, as software and divergent pixels do, pays once.
 vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 orders, bool wide, vec3 tint) {
 	vec3 uvw = wi + wo;
@@ -66,16 +66,16 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 	vec3 xyz = vec3(0.0);
 	int count = wide ? LIGHT_NODES : orders.y - orders.x + 1;
 	for (int k = 0; k < count; k++) {
-		int m = orders.x + k;
+		int m = wide ? 0 : orders.x + k;
 		float g = float(m) * frequency;
-		vec4 node = nodeColor(uLightNodes, min(k, LIGHT_NODES - 1), tint);
+		LitNode node = litNode(uLightNodes, min(k, LIGHT_NODES - 1), tint);
 		// C depends on s through the blur; for a narrow lobe it is taken where the sharp one would have its middle.
-		float s = wide ? 1.0 / node.w : clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
+		float s = wide ? 1.0 / node.wavelength : clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
 		vec3 c = vec3(uWindowVariance, uWindowVariance, 0.0) + s * s * blur;
 		float determinant = c.x * c.y - c.z * c.z;
 		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀC⁻¹d · det C
-		float width = wide ? NODE_WIDTH * s * s : sqrt(determinant / adjugate);
-		vec4 color = vec4(node.xyz, s);
+		float width = wide ? BAND_DEVIATION * s * s * node.bandwidth : sqrt(determinant / adjugate);
+		vec4 color = vec4(node.color, s);
 		if (!wide) {
 			// To first order in its relative variance a blurred lobe, a Gaussian in wavelength, is one in wavenumber that is
 			// shifted and widened by as much as the blur's share of it.
@@ -84,6 +84,7 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 			color = lobeColor(middle * (1.0 + skew), width * (1.0 + 4.0 * skew), tint);
 		}
 		float phase = reliefPhase(uvw.z, color.w);
+		#ifdef WIDE_LOBES
 		float sum = 0.0;
 		ivec2 range = wide ? orders : ivec2(m);
 		for (int j = range.x; j <= range.y; j++) {
@@ -93,6 +94,10 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 				: 0.5 * g * g * v * v / adjugate;
 			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * orderEfficiency(j, phase);
 		}
+		#else
+		float exponent = 0.5 * (wide ? s * s * adjugate / determinant : g * g * v * v / adjugate);
+		float sum = exponent < EXPONENT_CUT ? exp(-exponent) * orderEfficiency(m, phase) : 0.0;
+		#endif // WIDE_LOBES
 		// ds: a node's band is dλ = ds/s²; a Gaussian's is √(2π) q, which the table has divided out.
 		float ds = wide ? s * s : 2.5066283 * width;
 		float density = ds * sum / (2.0 * PI * sqrt(determinant));
@@ -123,8 +128,9 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	float sLow = WAVENUMBER_MIN, sHigh = WAVENUMBER_MAX;
 	float varianceV = uWindowVariance / (sLow * sLow) + blur.y;
 	if (uvw.y * uvw.y > 2.0 * EXPONENT_CUT * varianceV) return vec3(0.0);
-	// Widest standard deviation of a lobe in spatial frequency, and of its Gaussian in wavenumber.
-	float spread = sqrt(uWindowVariance + sHigh * sHigh * (max(blur.x, blur.y) + abs(blur.z)));
+	// Largest standard deviation of a lobe in spatial frequency.
+	float tilt = uvw.z * uRoughness;
+	float spread = sqrt(uWindowVariance + sHigh * sHigh * (tilt * tilt + light.angularRadius * light.angularRadius));
 	float rho = length(uvw.xy);
 	bool wide = spread > LOBE_WIDTH_MAX * rho;
 	// Orders m/a in reach, for u ≥ 0. Wide: s·u within the exponent's cut for some visible
@@ -154,7 +160,7 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 		float s = 1.0 / node.wavelength;
 		float shift = p.frequency * node.wavelength;
 		ivec2 orders = propagatingOrders(o, shift);
-		float width = BOX_DEVIATION * s * s * node.bandwidth;
+		float width = BAND_DEVIATION * s * s * node.bandwidth;
 		vec3 seen = vec3(0.0);
 		float total = 0.0;
 		for (int m = orders.x; m <= orders.y; m++) {

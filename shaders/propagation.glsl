@@ -26,20 +26,21 @@ float reciprocalEfficiency(vec3 direction, float wavenumber, float width, float 
 	float reach = sqrt(max(1.0 - direction.y * direction.y, 0.0));
 	float shift = frequency / wavenumber;
 	ivec2 orders = propagatingOrders(direction, frequency / (wavenumber + 1.25 * width));
+	// A straight line of the normal distribution's slope at its middle: 0 and 1 at 1.25 standard deviations.
+	float slope = 0.4 / width;
+	float start = 0.5 + slope * wavenumber;
+	vec2 steps = slope * frequency / max(reach + vec2(-direction.x, direction.x), 1e-6);  // of orders below and above 0
 	float full = 0.0, partial = 0.0, share = 0.0;
 	for (int m = orders.x; m <= orders.y; m++) {
-		float room = max(reach + (m < 0 ? -direction.x : direction.x), 1e-6);
-		// A straight line of the normal distribution's slope at its middle: 0 and 1 at 1.25 standard deviations.
-		float beyond = 0.5 + 0.4 * (wavenumber - frequency * abs(float(m)) / room) / width;
-		float w = direction.z + orderCosine(direction, float(m) * shift);
+		float order = float(m);
+		float beyond = clamp(start - max(-order * steps.x, order * steps.y), 0.0, 1.0);
+		float w = direction.z + orderCosine(direction, order * shift);
 		float efficiency = orderEfficiency(m, reliefPhase(w, wavenumber));
-		if (beyond >= 1.0) {
-			full += efficiency;
-		} else if (beyond > 0.0) {
-			// Orders ±m step together where the light stands overhead.
-			partial += efficiency;
-			share += beyond * efficiency;
-		}
+		// Orders ±m step together where the light stands overhead.
+		float stepping = beyond < 1.0 ? efficiency : 0.0;
+		full += efficiency - stepping;
+		partial += stepping;
+		share += beyond * stepping;
 	}
 	share /= max(partial, 1e-12);
 	// 1e-4: a relief can send all its light into orders that do not propagate; what scalar theory then says of the

@@ -19,18 +19,22 @@ SpectralNode spectralNode(highp sampler2D nodes, int index) {
 	return SpectralNode(white.w, red.w, mat3(red.xyz, green.xyz, blue.xyz));
 }
 
-// XYZ of a node's band in light of that tint, and its wavelength in µm (w).
-vec4 nodeColor(highp sampler2D nodes, int index, vec3 tint) {
-	vec4 white = texelFetch(nodes, ivec2(index, 0), 0);
+// A node as a light shows it.
+struct LitNode {
+	vec3 color;         // XYZ of the band
+	float wavelength;   // µm
+	float bandwidth;    // µm
+};
+
+// A node in light of that tint (linear sRGB).
+LitNode litNode(highp sampler2D nodes, int index, vec3 tint) {
 	#ifdef TINTED
-	mat3 tints = mat3(
-		texelFetch(nodes, ivec2(index, 1), 0).xyz,
-		texelFetch(nodes, ivec2(index, 2), 0).xyz,
-		texelFetch(nodes, ivec2(index, 3), 0).xyz
-	);
-	return vec4(tints * tint, white.w);
+	SpectralNode node = spectralNode(nodes, index);
+	return LitNode(node.tints * tint, node.wavelength, node.bandwidth);
 	#else
-	return vec4(white.xyz * tint.g, white.w);  // grey: the three are equal
+	vec4 white = texelFetch(nodes, ivec2(index, 0), 0);
+	// Grey: the three are equal.
+	return LitNode(white.xyz * tint.g, white.w, texelFetch(nodes, ivec2(index, 1), 0).w);
 	#endif // TINTED
 }
 

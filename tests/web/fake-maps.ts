@@ -53,6 +53,8 @@ export function fakeLobes(): FakeMap {
     wavenumber_min: 1.28,
     wavenumber_max: 2.63,
     margin: 3,
+    exponent_cut: 14,
+    wide_lobe_nodes: 20,
   }
   return makeMap('lobes', constants, [
     {

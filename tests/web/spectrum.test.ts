@@ -1,6 +1,7 @@
 import { DataUtils } from 'three'
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest'
-import { constantOf, loadMap, type LoadedMap } from '../../web/maps/load'
+import { arrayOf, constantOf, loadMap, valuesOf, type LoadedMap } from '../../web/maps/load'
+import { efficiencyTexture } from '../../web/spectrum/efficiency-texture'
 import { lobeTexture } from '../../web/spectrum/lobe-texture'
 import { maxOrder } from '../../web/spectrum/max-order'
 import { metalReflectance } from '../../web/spectrum/metal-reflectance'
@@ -24,11 +25,29 @@ afterAll(() => {
   vi.unstubAllGlobals()
 })
 
+describe('the texture of efficiencies', () => {
+  it('holds each efficiency and its step to the next phase', () => {
+    const array = arrayOf(rectangular, 'efficiency')
+    const [height, width] = array.spec.shape as [number, number]
+    const { image } = efficiencyTexture(rectangular)
+    expect(image).toMatchObject({ width, height })
+    const efficiencies = valuesOf(array)
+    const texels = image.data as Float32Array
+    for (let i = 0; i < efficiencies.length; i++) {
+      expect(texels[2 * i]).toBe(efficiencies[i])
+      const isLast = (i + 1) % width === 0
+      const next = isLast ? efficiencies[i]! : efficiencies[i + 1]!
+      expect(texels[2 * i]! + texels[2 * i + 1]!).toBeCloseTo(next, 6)
+    }
+    expect(efficiencyTexture(rectangular)).toBe(efficiencyTexture(rectangular))
+  })
+})
+
 describe('spectral nodes', () => {
   const cases: [number, Placement][] = [
     [1, 'weighted'],
     [12, 'weighted'],
-    [28, 'weighted'],
+    [20, 'weighted'],
     [21, 'uniform'],
     [401, 'uniform'],
   ]

@@ -5,6 +5,7 @@ import { loadMap } from '../../web/maps/load'
 import { DEFAULT_SETTINGS } from '../../web/materials/options'
 import { Foil } from '../../web/surfaces/foil'
 import { Grating } from '../../web/surfaces/grating'
+import { serveBakedMaps } from './baked-maps'
 import { fakeFoil, fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles } from './fake-maps'
 
 const options = { period: 1.6, height: 0.12 }
@@ -41,6 +42,29 @@ describe('a grating', () => {
     refuses(() => (grating.strength = 1.1), 'Grating', 'strength')
     refuses(() => (grating.tracks = 'spiral' as 'circular'), 'Grating', 'tracks')
     refuses(() => (grating.profile = ''), 'Grating', 'profile')
+  })
+
+  it.each([
+    // 1/a against (2.63/0.08 + √28) √(1/(8π²σ²) + 2.63² ((2 · roughness)² + radius²))
+    { period: 3.6, radius: 0, settings: {}, wide: false },
+    { period: 3.9, radius: 0, settings: {}, wide: true },
+    { period: 1.8, radius: 4.65e-3, settings: {}, wide: false },
+    { period: 1.9, radius: 4.65e-3, settings: {}, wide: true },
+    { period: 0.6, radius: 0, settings: { roughness: 0.0175 }, wide: true },
+    { period: 1, radius: 0, settings: { coherence: 4 }, wide: true },
+    { period: 3.9, radius: 0, settings: { method: 'wavelength-loop' as const }, wide: false },
+  ])('knows whether other orders than 0 have wide lobes: %j', async (example) => {
+    serveBakedMaps()
+    const grating = new Grating({ period: example.period, height: 0.1 })
+    const optics = grating.optics(
+      {
+        profile: await loadMap('maps/baked/profile-sinusoidal'),
+        lobes: await loadMap('maps/baked/lobes-1931-2-D65'),
+        metals: await loadMap('maps/baked/metals'),
+      },
+      { ...DEFAULT_SETTINGS, ...example.settings },
+    )
+    expect(optics.needsWideLobes(example.radius)).toBe(example.wide)
   })
 
   it('refuses a height beyond its table, once that is known', async () => {

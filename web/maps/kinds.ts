@@ -12,7 +12,15 @@ const CONTENTS: Record<
   },
   lobes: {
     arrays: { lobe: { rank: 4, channels: 4 }, weights: { rank: 2, channels: 9 } },
-    constants: { white_xyz: 3, xyz_to_rgb: 9, wavenumber_min: 1, wavenumber_max: 1, margin: 1 },
+    constants: {
+      white_xyz: 3,
+      xyz_to_rgb: 9,
+      wavenumber_min: 1,
+      wavenumber_max: 1,
+      margin: 1,
+      exponent_cut: 1,
+      wide_lobe_nodes: 1,
+    },
   },
   metals: {
     arrays: { reflectance: { rank: 3, channels: 4 } },

@@ -55,6 +55,7 @@ const FEATURES = [
   'BASE',
   'COAT',
   'TINTED',
+  'WIDE_LOBES',
   'ENVIRONMENT_EQUIRECT',
   'ENVIRONMENT_CUBE',
   'GAMUT_MAPPED',
@@ -94,6 +95,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   #opticsDefines: string[] = []
   #opticsUniforms: string[] = []
   #opticsFeatures: readonly Feature[] = []
+  #needsWideLobes: Optics['needsWideLobes'] = () => false
   #environmentRepaired = 0
   #surface: Surface
   #surfaceVersion = -1
@@ -472,8 +474,9 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.needsUpdate = true
   }
 
-  #apply({ defines, uniforms, features }: Optics): void {
+  #apply({ defines, uniforms, features, needsWideLobes }: Optics): void {
     this.#opticsFeatures = features
+    this.#needsWideLobes = needsWideLobes
     for (const [name, { value }] of Object.entries(uniforms)) {
       const uniform = (this.uniforms[name] ??= { value: null })
       // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
@@ -499,10 +502,13 @@ export class DiffractionMaterial extends ShaderMaterial {
     const { angularRadii, isTinted } = sceneLights(renderer, scene, camera)
     const radii = this.uniforms.uLightAngularRadii!.value as number[]
     radii.length = angularRadii.length
+    let largest = 0
     for (let i = 0; i < radii.length; i++) {
       const radius = angularRadii[i]!
       radii[i] = Number.isNaN(radius) ? (this.#lightAngularRadius ?? 0) : radius
+      largest = Math.max(largest, radii[i]!)
     }
+    this.#setDefine('WIDE_LOBES', radii.length > 0 && this.#needsWideLobes(largest))
     this.#setDefine('TINTED', isTinted)
   }
 

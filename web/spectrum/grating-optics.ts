@@ -1,6 +1,6 @@
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
-import { tableTexture } from '../maps/upload'
 import type { Feature, Optics, OpticsSettings } from '../surfaces/surface'
+import { efficiencyTexture } from './efficiency-texture'
 import { maxOrder, propagatingOrder } from './max-order'
 import { SpectralTextures } from './spectral-textures'
 
@@ -17,9 +17,6 @@ export interface GratingOpticsSettings extends OpticsSettings {
   /** Shortest and longest period on the surface, µm. */
   period: readonly [number, number]
 }
-
-/** Nodes of the direct sum for wide lobes: their bands are then 0.05 1/µm wide, the narrowest such lobe 0.08. */
-const WIDE_LOBE_NODES = 28
 
 /** The visible range in wavelength, µm. */
 const VISIBLE = 0.4
@@ -38,25 +35,26 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
   const [orders, phases] = arrayOf(profile, 'efficiency').spec.axes
   const isLoop = settings.method === 'wavelength-loop'
   const isTaylor = settings.efficiencies === 'taylor'
-  const lightNodes = isLoop ? Math.round(VISIBLE / settings.wavelengthStep) + 1 : WIDE_LOBE_NODES
+  const lightNodes = isLoop
+    ? Math.round(VISIBLE / settings.wavelengthStep) + 1
+    : constantOf(lobes, 'wide_lobe_nodes')[0]!
   const placement = isLoop ? 'uniform' : 'weighted'
   const spectra = new SpectralTextures(lobes, metals, settings.metal)
   const shown = isTaylor ? 2 : maxOrder(profile, settings.period[1], settings.height)
   const defines: Record<string, string | number> = {
     MAX_ORDER: shown,
     TABLE_ORDER: orders!.last,
-    EFFICIENCY_PHASES: glslFloat(phases!.size),
+    EFFICIENCY_PHASES: phases!.size,
     PHASE_MAX: glslFloat(phases!.last),
     LOBE_POSITIONS: glslFloat(positions!.size),
     LOBE_WIDTHS: glslFloat(widths!.size),
     LOBE_WIDTH_MIN: glslFloat(widths!.first),
     LOBE_WIDTH_MAX: glslFloat(widths!.last),
+    EXPONENT_CUT: glslFloat(constantOf(lobes, 'exponent_cut')[0]!),
     LOBE_MARGIN: glslFloat(constantOf(lobes, 'margin')[0]!),
     WAVENUMBER_MIN: glslFloat(constantOf(lobes, 'wavenumber_min')[0]!),
     WAVENUMBER_MAX: glslFloat(constantOf(lobes, 'wavenumber_max')[0]!),
     LIGHT_NODES: lightNodes,
-    // Standard deviation of a node's band, a box, in µm; times s² it is one in wavenumber.
-    NODE_WIDTH: glslFloat(VISIBLE / lightNodes / Math.sqrt(12)),
     ENVIRONMENT_NODES: settings.environmentNodes,
     // The papers' methods read the environment unfiltered.
     ARC_FILTER: glslFloat(isLoop ? 0 : ARC_FILTER),
@@ -67,17 +65,44 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
   if (settings.energy === 'reciprocal') defines['ENERGY_RECIPROCAL'] = ''
   return {
     defines,
+    needsWideLobes: (angularRadius) => !isLoop && canBeWide(lobes, settings, angularRadius),
     features: describeOptics(settings, shown),
     uniforms: {
-      uEfficiencyTable: { value: tableTexture(profile, 'efficiency') },
+      uEfficiencyTable: { value: efficiencyTexture(profile) },
       uGratingHeight: { value: settings.height },
       uLobeTable: { value: spectra.lobe() },
-      uWindowVariance: { value: 1 / (8 * Math.PI ** 2 * settings.coherence ** 2) },
+      uWindowVariance: { value: windowVariance(settings.coherence) },
       uRoughness: { value: settings.roughness },
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },
       uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
     },
   }
+}
+
+/**
+ * Whether an order other than 0 is in reach of a pixel whose lobes are wide, as shaders/grating.glsl decides both: the
+ * lobes' deviation in spatial frequency is more than the table's largest width times ρ, and s u comes within the
+ * exponent's cut of 1/a.
+ */
+function canBeWide(
+  lobes: LoadedMap,
+  { coherence, roughness, period }: GratingOpticsSettings,
+  angularRadius: number,
+): boolean {
+  const largestWavenumber = constantOf(lobes, 'wavenumber_max')[0]!
+  const largestWidth = arrayOf(lobes, 'lobe').spec.axes[1]!.last
+  const cut = Math.sqrt(2 * constantOf(lobes, 'exponent_cut')[0]!)
+  // w is at most 2.
+  const spread = Math.sqrt(
+    windowVariance(coherence) +
+      largestWavenumber ** 2 * ((2 * roughness) ** 2 + angularRadius ** 2),
+  )
+  return 1 / period[1] < spread * (largestWavenumber / largestWidth + cut)
+}
+
+/** Variance of the coherence window's lobe in spatial frequency, 1/µm². coherence: σ, µm. */
+function windowVariance(coherence: number): number {
+  return 1 / (8 * Math.PI ** 2 * coherence ** 2)
 }
 
 /** What `explain()` says of the optics. */

@@ -3,7 +3,7 @@ import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
 import { DiffractionError } from '../errors'
 import { loadSharedMap } from '../maps/cache'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load'
-import { imageTexture } from '../maps/upload'
+import { imageTexture } from '../maps/image-texture'
 import { GratingSurface } from './grating-surface'
 
 export interface FoilOptions {

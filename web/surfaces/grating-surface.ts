@@ -87,12 +87,12 @@ export abstract class GratingSurface implements Surface {
     expectKind(metals, 'metals')
     this.#maxPhase = constantOf(profile, 'max_phase')[0]!
     this.#checkPhase(this.#height)
-    const { defines, uniforms, features } = gratingOptics(
+    const optics = gratingOptics(
       { profile, lobes, metals },
       { ...settings, height: this.#height, period: this.periodRange },
     )
     const xyzToRgb = new Matrix3().fromArray(constantOf(lobes, 'xyz_to_rgb')).transpose()
-    return { defines, features, uniforms: { ...uniforms, uXyzToRgb: { value: xyzToRgb } } }
+    return { ...optics, uniforms: { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb } } }
   }
 
   /** To be called after a change that reaches beyond the surface's own uniforms. */

@@ -48,6 +48,8 @@ export interface Optics {
   features: readonly Feature[]
   defines: Record<string, string | number>
   uniforms: Record<string, IUniform>
+  /** Whether a light of that angular radius, rad, needs WIDE_LOBES: the sum over spectral nodes for all orders. */
+  needsWideLobes: (angularRadius: number) => boolean
 }
 
 /**
