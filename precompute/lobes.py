@@ -52,8 +52,8 @@ WIDE_LOBE_NODES = 20
 efficiency and N vary over the whole spectrum."""
 
 BAND_DEVIATION = 0.4
-"""Deviations of a Gaussian for one of a band in which N steps. Over a Gaussian the shares of the two
-sides are taken to change linearly, within 1.25 deviations; over a band they do."""
+"""Deviations of a Gaussian for one of a band in which N steps: over a Gaussian the shares of the
+two sides are taken to change linearly, within 1.25 deviations; over a band they do."""
 
 LAYERS = ("white", "red", "green")
 """Tints in the table; the blue basis is white less red less green."""
