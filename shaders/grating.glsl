@@ -1,10 +1,9 @@
 // Diffraction by a grating: radiance from one light and from the environment (docs/theory.md, sections 4 and 6).
 // Needs a SurfacePoint and LightSpectrum, and environmentRadiance() where ENVIRONMENT is defined.
+#include "lobe.glsl"
 #include "spectrum.glsl"
 #include "propagation.glsl"
 
-uniform float uWindowVariance;  // 1/(8π²σ²), variance of the coherence window's lobe in spatial frequency, 1/µm²
-uniform float uRoughness;       // standard deviation of the normal's tilt, rad
 uniform highp sampler2D uLightNodes;
 #ifdef ENVIRONMENT
 uniform highp sampler2D uEnvironmentNodes;
@@ -14,18 +13,6 @@ uniform highp sampler2D uEnvironmentNodes;
 // box, whose shares do so exactly: its width counts as 2.5 deviations.
 #define BAND_DEVIATION 0.4
 
-// Covariance of a lobe in the plane of (u, v) beyond that of the coherence window (xx, yy, xy).
-// Normals tilted by ε move (u, v) by wε; a light's disc projects onto the surface. wi: grating frame.
-vec3 lobeBlur(vec3 wi, float w, float angularRadius) {
-	float tilt = w * uRoughness;
-	float source = angularRadius * angularRadius;
-	return vec3(
-		tilt * tilt + source * (1.0 - wi.x * wi.x),
-		tilt * tilt + source * (1.0 - wi.y * wi.y),
-		-source * wi.x * wi.y
-	);
-}
-
 #ifdef WAVELENGTH_LOOP
 // The seed's method: Σ over wavelengths and all orders of S e_m N(s(u, v) − (m/a, 0); C) ds, XYZ in 1/sr.
 vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) {
@@ -34,7 +21,7 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) 
 	for (int i = 0; i < LIGHT_NODES; i++) {
 		LitNode node = litNode(uLightNodes, i, tint);
 		float s = 1.0 / node.wavelength;
-		vec3 c = vec3(uWindowVariance, uWindowVariance, 0.0) + s * s * blur;
+		vec3 c = lobeCovariance(blur, s);
 		float determinant = c.x * c.y - c.z * c.z;
 		float phase = reliefPhase(uvw.z, s);
 		float sum = 0.0;
@@ -71,7 +58,7 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 		LitNode node = litNode(uLightNodes, min(k, LIGHT_NODES - 1), tint);
 		// C depends on s through the blur; for a narrow lobe it is taken where the sharp one would have its middle.
 		float s = wide ? 1.0 / node.wavelength : clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
-		vec3 c = vec3(uWindowVariance, uWindowVariance, 0.0) + s * s * blur;
+		vec3 c = lobeCovariance(blur, s);
 		float determinant = c.x * c.y - c.z * c.z;
 		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀC⁻¹d · det C
 		float width = wide ? BAND_DEVIATION * s * s * node.bandwidth : sqrt(determinant / adjugate);
@@ -107,11 +94,6 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 	return xyz;
 }
 #endif // WAVELENGTH_LOOP
-
-// Components of a direction in the grating's frame.
-vec3 inFrame(SurfacePoint p, vec3 direction) {
-	return vec3(dot(direction, p.tangent), dot(direction, p.bitangent), dot(direction, p.normal));
-}
 
 // Radiance (XYZ) towards wo from one light: f_r cosθ_i times its irradiance. Zero below the horizon. wi, wo: unit, view
 // space.

@@ -1,6 +1,7 @@
 // Which orders leave the surface, and how their efficiencies are normalised (docs/theory.md, section 2).
 // Directions are in the grating's frame: x across the grooves, y along them, z the normal.
 #include "efficiency.glsl"
+#include "kirchhoff.glsl"
 
 // First and last order m with |−ω_xy + m·shift·x̂| < 1, within the orders that the surface shows.
 // direction: ω, unit; shift: λ/a.
@@ -51,11 +52,7 @@ float reciprocalEfficiency(vec3 direction, float wavenumber, float width, float 
 // What makes η_m the efficiency e_m/R, for light between wi and wo, over a lobe of mean wavenumber and width in 1/µm.
 float energyFactor(vec3 wi, vec3 wo, float wavenumber, float width, float frequency) {
 	#if defined(ENERGY_KIRCHHOFF)
-	// (1 + ω_i·ω_o)²/(cosθ_i cosθ_o w²) (Stam 1999). Grows without bound at grazing angles, hence the floor: 1e-6 is
-	// far below the cosine of any pixel that is not edge-on.
-	float w = wi.z + wo.z;
-	float g = 1.0 + dot(wi, wo);
-	return g * g / max(wi.z * wo.z * w * w, 1e-6);
+	return kirchhoffFactor(wi, wo);
 	#elif defined(ENERGY_RECIPROCAL)
 	return min(
 		reciprocalEfficiency(wi, wavenumber, width, frequency),

@@ -8,6 +8,11 @@ struct SurfacePoint {
 	float strength;   // share of the surface that diffracts, 0 to 1
 };
 
+// Components of a direction in view space along the surface's tangent, bitangent and normal.
+vec3 inFrame(SurfacePoint p, vec3 direction) {
+	return vec3(dot(direction, p.tangent), dot(direction, p.bitangent), dot(direction, p.normal));
+}
+
 struct LightSpectrum {
 	vec3 color;           // irradiance on a plane that faces the light, linear sRGB
 	float angularRadius;  // standard deviation of the light's Gaussian disc, rad

@@ -5,6 +5,7 @@ export { DiffractionMaterial } from './materials/DiffractionMaterial'
 export { lightTexels } from './materials/light-texels'
 export type { DiffractionMaterialOptions, Gamut } from './materials/options'
 export { Foil, type FoilOptions } from './surfaces/foil'
+export { HeightField, type HeightFieldOptions } from './surfaces/height-field'
 export { Grating, type GratingOptions, type Tracks } from './surfaces/grating'
 export type {
   Efficiencies,

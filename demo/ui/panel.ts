@@ -174,7 +174,7 @@ export class Panel {
         set: (value) => (demo.subject.material.illuminant = value),
       }),
       this.#choice('Method', METHODS, {
-        get: () => demo.subject.material.method,
+        get: () => demo.subject.material.method as keyof typeof METHODS,
         set: (value) => (demo.subject.material.method = value),
       }),
       this.#slider({

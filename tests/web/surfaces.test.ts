@@ -64,7 +64,7 @@ describe('a grating', () => {
       },
       { ...DEFAULT_SETTINGS, ...example.settings },
     )
-    expect(optics.needsWideLobes(example.radius)).toBe(example.wide)
+    expect(optics.underLights(example.radius).defines).toEqual({ WIDE_LOBES: example.wide })
   })
 
   it('refuses a height beyond its table, once that is known', async () => {

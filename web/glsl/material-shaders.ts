@@ -1,5 +1,6 @@
 import coat from '../../shaders/coat.glsl?raw'
 import environment from '../../shaders/environment.glsl?raw'
+import fresnel from '../../shaders/fresnel.glsl?raw'
 import gamut from '../../shaders/gamut.glsl?raw'
 import lights from '../../shaders/lights.glsl?raw'
 import fragment from '../../shaders/material.frag.glsl?raw'
@@ -18,6 +19,7 @@ export function fragmentShader(surface: Surface, source: string = fragment): str
     ...surface.glslFiles,
     'coat.glsl': coat,
     'environment.glsl': environment,
+    'fresnel.glsl': fresnel,
     'gamut.glsl': gamut,
     'lights.glsl': lights,
     'surface-point.glsl': surfacePoint,

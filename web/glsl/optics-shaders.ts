@@ -1,13 +1,23 @@
 import efficiency from '../../shaders/efficiency.glsl?raw'
+import expansion from '../../shaders/expansion.glsl?raw'
+import fresnel from '../../shaders/fresnel.glsl?raw'
 import grating from '../../shaders/grating.glsl?raw'
+import heightField from '../../shaders/height-field.glsl?raw'
+import kirchhoff from '../../shaders/kirchhoff.glsl?raw'
+import lobe from '../../shaders/lobe.glsl?raw'
 import propagation from '../../shaders/propagation.glsl?raw'
 import spectrum from '../../shaders/spectrum.glsl?raw'
 import surfacePoint from '../../shaders/surface-point.glsl?raw'
 
-/** The optics of gratings, by the names they include each other by. */
+/** The optics of surfaces, by the names they include each other by. */
 export const opticsShaders: Record<string, string> = {
   'efficiency.glsl': efficiency,
+  'expansion.glsl': expansion,
+  'fresnel.glsl': fresnel,
   'grating.glsl': grating,
+  'height-field.glsl': heightField,
+  'kirchhoff.glsl': kirchhoff,
+  'lobe.glsl': lobe,
   'propagation.glsl': propagation,
   'spectrum.glsl': spectrum,
   'surface-point.glsl': surfacePoint,

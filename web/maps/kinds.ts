@@ -26,6 +26,13 @@ const CONTENTS: Record<
     arrays: { reflectance: { rank: 3, channels: 4 } },
     constants: {},
   },
+  'height-field-terms': {
+    arrays: {
+      terms: { rank: 4, channels: 4 },
+      coefficients: { rank: 3, channels: 1 },
+    },
+    constants: { period_x: 1, period_y: 1, amplitude: 1, max_phase: 1, terms: 1 },
+  },
   foil: {
     arrays: { grating: { rank: 3, channels: 4 } },
     constants: { height_um: 1, min_frequency: 1, max_frequency: 1, tile_mm: 2 },

@@ -50,6 +50,30 @@ export function expectKind(map: LoadedMap, kind: MapKind): LoadedMap {
   })
 }
 
+/**
+ * The maps that a surface asked for, each of its kind.
+ *
+ * @param owner - who asked, for the error
+ */
+export function expectKinds<T extends Record<string, MapKind>>(
+  owner: string,
+  maps: Record<string, LoadedMap>,
+  kinds: T,
+): Record<keyof T, LoadedMap> {
+  for (const [name, kind] of Object.entries(kinds)) {
+    const map = maps[name]
+    if (map === undefined)
+      throw new DiffractionError({
+        file: owner,
+        field: 'tables',
+        value: Object.keys(maps),
+        expected: Object.keys(kinds).join(', '),
+      })
+    expectKind(map, kind)
+  }
+  return maps as Record<keyof T, LoadedMap>
+}
+
 /** The array of that name, which the map's kind promises. */
 export function arrayOf(map: LoadedMap, name: string): MapArray {
   const array = map.arrays[name]

@@ -26,6 +26,7 @@ import type {
   Efficiencies,
   Energy,
   Feature,
+  LightOptics,
   Metal,
   Method,
   Observer,
@@ -55,7 +56,6 @@ const FEATURES = [
   'BASE',
   'COAT',
   'TINTED',
-  'WIDE_LOBES',
   'ENVIRONMENT_EQUIRECT',
   'ENVIRONMENT_CUBE',
   'GAMUT_MAPPED',
@@ -95,7 +95,10 @@ export class DiffractionMaterial extends ShaderMaterial {
   #opticsDefines: string[] = []
   #opticsUniforms: string[] = []
   #opticsFeatures: readonly Feature[] = []
-  #needsWideLobes: Optics['needsWideLobes'] = () => false
+  #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
+  /** What the lights of the last frame drawn asked of the optics. */
+  #lightOptics: LightOptics = { defines: {}, features: [] }
+  #largestRadius = -1
   #environmentRepaired = 0
   #surface: Surface
   #surfaceVersion = -1
@@ -115,6 +118,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     assertLightLoops()
     const { surface, mapsPath = 'maps/baked/', ...values } = options
     this.#surface = surface
+    this.#takeDefaults()
     this.#mapsPath = mapsPath
     this.#optics = new OpticsLoader(
       (optics) => {
@@ -152,6 +156,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   set surface(value: Surface) {
     if (value === this.#surface) return
     this.#surface = value
+    this.#takeDefaults()
     this.#useSurface()
     this.#request()
   }
@@ -341,7 +346,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   explain(): Feature[] {
     return describeFeatures({
       defines: this.defines,
-      opticsFeatures: this.#opticsFeatures,
+      opticsFeatures: [...this.#opticsFeatures, ...this.#lightOptics.features],
       environmentRepaired: this.#environmentRepaired,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
@@ -436,7 +441,7 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   /** One of the optics' settings: taken if the surface can be shown with it, else as it was. */
   #set<K extends keyof OpticsSettings>(name: K, value: OpticsSettings[K]): void {
-    const checked = SETTING_CHECKS[name](value)
+    const checked = this.#checked(name, value)
     const before = this.#settings[name]
     if (checked === before) return
     this.#settings[name] = checked
@@ -446,6 +451,22 @@ export class DiffractionMaterial extends ShaderMaterial {
       this.#settings[name] = before
       throw error
     }
+  }
+
+  /** Some settings are a question of what the surface offers. */
+  #checked<K extends keyof OpticsSettings>(name: K, value: unknown): OpticsSettings[K] {
+    const checked = SETTING_CHECKS[name](value)
+    if (name === 'method') oneOf(OWNER, name, value, this.#surface.methods)
+    if (name === 'energy') oneOf(OWNER, name, value, this.#surface.energies)
+    return checked
+  }
+
+  /** A method or energy that the surface does not have gives way to its default. */
+  #takeDefaults(): void {
+    const { methods, energies } = this.#surface
+    const settings = this.#settings
+    if (!methods.includes(settings.method)) settings.method = methods[0]!
+    if (!energies.includes(settings.energy)) settings.energy = energies[0]!
   }
 
   #request(): void {
@@ -474,9 +495,10 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.needsUpdate = true
   }
 
-  #apply({ defines, uniforms, features, needsWideLobes }: Optics): void {
+  #apply({ defines, uniforms, features, underLights }: Optics): void {
     this.#opticsFeatures = features
-    this.#needsWideLobes = needsWideLobes
+    this.#underLights = underLights
+    this.#largestRadius = -1
     for (const [name, { value }] of Object.entries(uniforms)) {
       const uniform = (this.uniforms[name] ??= { value: null })
       // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
@@ -508,8 +530,17 @@ export class DiffractionMaterial extends ShaderMaterial {
       radii[i] = Number.isNaN(radius) ? (this.#lightAngularRadius ?? 0) : radius
       largest = Math.max(largest, radii[i]!)
     }
-    this.#setDefine('WIDE_LOBES', radii.length > 0 && this.#needsWideLobes(largest))
+    if (largest !== this.#largestRadius) this.#useLights(largest)
     this.#setDefine('TINTED', isTinted)
+  }
+
+  #useLights(largestRadius: number): void {
+    this.#largestRadius = largestRadius
+    const before = this.#lightOptics.defines
+    this.#lightOptics = this.#underLights(largestRadius)
+    const { defines } = this.#lightOptics
+    for (const name of Object.keys({ ...before, ...defines }))
+      this.#setDefine(name, defines[name] ?? false)
   }
 
   /** The material's environment before the scene's, as for three's own materials. */
@@ -563,7 +594,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     return value
   }
 
-  #setDefines(defines: Record<string, string | number>): void {
+  #setDefines(defines: Record<string, string | number | boolean>): void {
     for (const [name, value] of Object.entries(defines)) this.#setDefine(name, value)
   }
 

@@ -46,12 +46,6 @@ export function describeFeatures(state: MaterialState): Feature[] {
       'all visible lights are white or grey',
     ),
     choose(
-      'wide lobes of all orders',
-      isIn('WIDE_LOBES'),
-      'roughness, a light or a short coherence blurs neighbouring orders over one another near the highlight',
-      'only order 0 is seen where lobes are wide',
-    ),
-    choose(
       'equirectangular environment',
       isIn('ENVIRONMENT_EQUIRECT'),
       'the environment is an equirectangular texture',

@@ -1,8 +1,10 @@
+import { floatLiteral } from '../glsl/float-literal'
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
-import type { Feature, Optics, OpticsSettings } from '../surfaces/surface'
+import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface'
 import { efficiencyTexture } from './efficiency-texture'
 import { maxOrder, propagatingOrder } from './max-order'
 import { SpectralTextures } from './spectral-textures'
+import { spectrumOptics, wavelengthsOfLoop, windowVariance } from './spectrum-optics'
 
 /** The tables that a grating's optics read. */
 export interface GratingTables {
@@ -18,9 +20,6 @@ export interface GratingOpticsSettings extends OpticsSettings {
   period: readonly [number, number]
 }
 
-/** The visible range in wavelength, µm. */
-const VISIBLE = 0.4
-
 /**
  * Share of a node's arc over which the environment is filtered. A mip level blurs across the arc as much as along it, so
  * less than the whole arc is best: of 0, 0.35, 0.7, 1 and 1.4 this had the least error with 8 to 21 nodes under the
@@ -31,33 +30,26 @@ const ARC_FILTER = 0.35
 /** Defines and uniforms of shaders/grating.glsl. */
 export function gratingOptics(tables: GratingTables, settings: GratingOpticsSettings): Optics {
   const { profile, lobes, metals } = tables
-  const [, widths, positions] = arrayOf(lobes, 'lobe').spec.axes
   const [orders, phases] = arrayOf(profile, 'efficiency').spec.axes
   const isLoop = settings.method === 'wavelength-loop'
   const isTaylor = settings.efficiencies === 'taylor'
   const lightNodes = isLoop
-    ? Math.round(VISIBLE / settings.wavelengthStep) + 1
+    ? wavelengthsOfLoop(settings.wavelengthStep)
     : constantOf(lobes, 'wide_lobe_nodes')[0]!
   const placement = isLoop ? 'uniform' : 'weighted'
   const spectra = new SpectralTextures(lobes, metals, settings.metal)
   const shown = isTaylor ? 2 : maxOrder(profile, settings.period[1], settings.height)
+  const spectrum = spectrumOptics(lobes, settings)
   const defines: Record<string, string | number> = {
+    ...spectrum.defines,
     MAX_ORDER: shown,
     TABLE_ORDER: orders!.last,
     EFFICIENCY_PHASES: phases!.size,
-    PHASE_MAX: glslFloat(phases!.last),
-    LOBE_POSITIONS: glslFloat(positions!.size),
-    LOBE_WIDTHS: glslFloat(widths!.size),
-    LOBE_WIDTH_MIN: glslFloat(widths!.first),
-    LOBE_WIDTH_MAX: glslFloat(widths!.last),
-    EXPONENT_CUT: glslFloat(constantOf(lobes, 'exponent_cut')[0]!),
-    LOBE_MARGIN: glslFloat(constantOf(lobes, 'margin')[0]!),
-    WAVENUMBER_MIN: glslFloat(constantOf(lobes, 'wavenumber_min')[0]!),
-    WAVENUMBER_MAX: glslFloat(constantOf(lobes, 'wavenumber_max')[0]!),
+    PHASE_MAX: floatLiteral(phases!.last),
     LIGHT_NODES: lightNodes,
     ENVIRONMENT_NODES: settings.environmentNodes,
     // The papers' methods read the environment unfiltered.
-    ARC_FILTER: glslFloat(isLoop ? 0 : ARC_FILTER),
+    ARC_FILTER: floatLiteral(isLoop ? 0 : ARC_FILTER),
   }
   if (isLoop) defines['WAVELENGTH_LOOP'] = ''
   if (isTaylor) defines['EFFICIENCY_TAYLOR'] = ''
@@ -65,17 +57,26 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
   if (settings.energy === 'reciprocal') defines['ENERGY_RECIPROCAL'] = ''
   return {
     defines,
-    needsWideLobes: (angularRadius) => !isLoop && canBeWide(lobes, settings, angularRadius),
+    underLights: (angularRadius) => wideLobes(!isLoop && canBeWide(lobes, settings, angularRadius)),
     features: describeOptics(settings, shown),
     uniforms: {
+      ...spectrum.uniforms,
       uEfficiencyTable: { value: efficiencyTexture(profile) },
       uGratingHeight: { value: settings.height },
       uLobeTable: { value: spectra.lobe() },
-      uWindowVariance: { value: windowVariance(settings.coherence) },
-      uRoughness: { value: settings.roughness },
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },
       uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
     },
+  }
+}
+
+function wideLobes(included: boolean): LightOptics {
+  const why = included
+    ? 'roughness, a light or a short coherence blurs neighbouring orders over one another near the highlight'
+    : 'only order 0 is seen where lobes are wide'
+  return {
+    defines: { WIDE_LOBES: included },
+    features: [{ feature: 'wide lobes of all orders', included, why }],
   }
 }
 
@@ -98,11 +99,6 @@ function canBeWide(
       largestWavenumber ** 2 * ((2 * roughness) ** 2 + angularRadius ** 2),
   )
   return 1 / period[1] < spread * (largestWavenumber / largestWidth + cut)
-}
-
-/** Variance of the coherence window's lobe in spatial frequency, 1/µm². coherence: σ, µm. */
-function windowVariance(coherence: number): number {
-  return 1 / (8 * Math.PI ** 2 * coherence ** 2)
 }
 
 /** What `explain()` says of the optics. */
@@ -150,10 +146,4 @@ function describeOptics(settings: GratingOpticsSettings, shown: number): Feature
       why: `${environmentNodes} wavelengths stand for the spectrum wherever there is an environment`,
     },
   ]
-}
-
-/** A number as a GLSL literal of type float. */
-function glslFloat(value: number): string {
-  const text = String(value)
-  return /[.e]/.test(text) ? text : `${text}.0`
 }

@@ -14,9 +14,10 @@ export class SpectralTextures {
   constructor(
     private readonly lobes: LoadedMap,
     metals: LoadedMap,
-    private readonly metal: Metal,
+    /** null: a perfect mirror */
+    private readonly metal: Metal | null,
   ) {
-    this.#reflectance = metalReflectance(metals, metal)
+    this.#reflectance = metal === null ? () => 1 : metalReflectance(metals, metal)
   }
 
   lobe(): DataTexture {
@@ -32,7 +33,7 @@ export class SpectralTextures {
   #once(name: string, make: () => DataTexture): DataTexture {
     let textures = made.get(this.lobes)
     if (textures === undefined) made.set(this.lobes, (textures = new Map<string, DataTexture>()))
-    const key = `${this.metal} ${name}`
+    const key = `${this.metal ?? 'mirror'} ${name}`
     let texture = textures.get(key)
     if (texture === undefined) textures.set(key, (texture = make()))
     return texture

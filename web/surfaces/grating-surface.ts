@@ -1,9 +1,10 @@
-import { Matrix3, type IUniform } from 'three'
+import type { IUniform } from 'three'
 import { DiffractionError } from '../errors'
 import { opticsShaders } from '../glsl/optics-shaders'
-import { constantOf, expectKind, type LoadedMap } from '../maps/load'
+import { constantOf, expectKinds, type LoadedMap } from '../maps/load'
 import { gratingOptics } from '../spectrum/grating-optics'
 import { SHORTEST_WAVELENGTH } from '../spectrum/max-order'
+import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
 import { positive } from '../validation'
 import { profileUrl } from './profile'
 import type { Optics, OpticsSettings, Surface } from './surface'
@@ -18,6 +19,8 @@ export abstract class GratingSurface implements Surface {
   protected abstract readonly periodRange: readonly [number, number]
 
   readonly glslFiles = opticsShaders
+  readonly methods = ['closed-form', 'wavelength-loop'] as const
+  readonly energies = ['conserving', 'reciprocal', 'kirchhoff'] as const
   #version = 0
   #height: number
   #profile: string
@@ -66,33 +69,23 @@ export abstract class GratingSurface implements Surface {
   tables(settings: OpticsSettings, mapsPath: string): Record<string, string> {
     return {
       profile: profileUrl(this.name, this.#profile, mapsPath),
-      lobes: settings.illuminant.includes('/')
-        ? settings.illuminant
-        : `${mapsPath}lobes-${settings.observer}-${settings.illuminant}`,
-      metals: `${mapsPath}metals`,
+      ...spectrumUrls(settings, mapsPath),
     }
   }
 
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
-    const { profile, lobes, metals } = tables
-    if (!profile || !lobes || !metals)
-      throw new DiffractionError({
-        file: this.name,
-        field: 'tables',
-        value: Object.keys(tables),
-        expected: 'profile, lobes and metals',
-      })
-    expectKind(profile, 'profile')
-    expectKind(lobes, 'lobes')
-    expectKind(metals, 'metals')
+    const { profile, lobes, metals } = expectKinds(this.name, tables, {
+      profile: 'profile',
+      lobes: 'lobes',
+      metals: 'metals',
+    })
     this.#maxPhase = constantOf(profile, 'max_phase')[0]!
     this.#checkPhase(this.#height)
     const optics = gratingOptics(
       { profile, lobes, metals },
       { ...settings, height: this.#height, period: this.periodRange },
     )
-    const xyzToRgb = new Matrix3().fromArray(constantOf(lobes, 'xyz_to_rgb')).transpose()
-    return { ...optics, uniforms: { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb } } }
+    return { ...optics, uniforms: { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(lobes) } } }
   }
 
   /** To be called after a change that reaches beyond the surface's own uniforms. */

@@ -4,10 +4,16 @@ import type { LoadedMap } from '../maps/load'
 export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
 export type Metal = (typeof METALS)[number]
 
-export const ENERGIES = ['conserving', 'reciprocal', 'kirchhoff'] as const
+export const ENERGIES = ['conserving', 'reciprocal', 'kirchhoff', 'relative'] as const
 export type Energy = (typeof ENERGIES)[number]
 
-export const METHODS = ['closed-form', 'wavelength-loop'] as const
+export const METHODS = [
+  'closed-form',
+  'wavelength-loop',
+  'line-sum',
+  'jacobi-anger',
+  'taylor',
+] as const
 export type Method = (typeof METHODS)[number]
 
 export const EFFICIENCIES = ['table', 'taylor'] as const
@@ -42,14 +48,20 @@ export interface Feature {
   why: string
 }
 
+/** What lights ask of the optics: defines that are in or out, and why. */
+export interface LightOptics {
+  defines: Record<string, boolean>
+  features: readonly Feature[]
+}
+
 /** What a surface adds to the shader program once its tables are there. */
 export interface Optics {
   /** What of the optics is in the program, what is left out, and why. */
   features: readonly Feature[]
   defines: Record<string, string | number>
   uniforms: Record<string, IUniform>
-  /** Whether a light of that angular radius, rad, needs WIDE_LOBES: the sum over spectral nodes for all orders. */
-  needsWideLobes: (angularRadius: number) => boolean
+  /** What of the optics depends on the largest angular radius of the lights in the scene, rad. */
+  underLights: (angularRadius: number) => LightOptics
 }
 
 /**
@@ -59,6 +71,10 @@ export interface Optics {
 export interface Surface {
   /** A short name for reports, such as 'grating'. */
   readonly name: string
+  /** The methods by which it can be drawn, its default first. */
+  readonly methods: readonly Method[]
+  /** The ways in which its light can be normalised, its default first. */
+  readonly energies: readonly Energy[]
   /**
    * GLSL that defines `surfacePointAt` and, where DIFFRACTION is defined, `surfaceRadianceFromLight` and
    * `surfaceRadianceFromEnvironment`.
@@ -67,7 +83,7 @@ export interface Surface {
   /** The files that this GLSL includes, by the name it uses. */
   readonly glslFiles: Record<string, string>
   /** Defines that belong to the surface itself. */
-  readonly defines: Record<string, string | number>
+  readonly defines: Record<string, string | number | boolean>
   /** Uniforms that belong to the surface itself; shared by all materials that show it. */
   readonly uniforms: Record<string, IUniform>
   /** Whether the strength is below one anywhere, so that the matt base shows through. */

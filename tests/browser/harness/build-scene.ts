@@ -21,7 +21,7 @@ import {
   type DataTexture,
   type Light,
 } from 'three'
-import { DiffractionMaterial, Foil, Grating, type Surface } from '../../../web'
+import { DiffractionMaterial, Foil, Grating, HeightField, type Surface } from '../../../web'
 import { loadEnvironment } from './environment'
 import type {
   LightDescription,
@@ -81,6 +81,7 @@ export async function buildScene(description: SceneDescription): Promise<BuiltSc
 
 export async function buildSurface(description: SurfaceDescription): Promise<Surface> {
   if (description.kind === 'grating') return new Grating(description)
+  if (description.kind === 'height-field') return new HeightField(description)
   const { map, repeat, height } = description
   return Foil.load(map, {
     ...(repeat && { repeat: new Vector2(...repeat) }),

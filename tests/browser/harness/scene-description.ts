@@ -1,4 +1,4 @@
-import type { DiffractionMaterialOptions, GratingOptions } from '../../../web'
+import type { DiffractionMaterialOptions, GratingOptions, HeightFieldOptions } from '../../../web'
 
 type Triple = [number, number, number]
 
@@ -30,6 +30,7 @@ export type MeshDescription = (
 
 export type SurfaceDescription =
   | ({ kind: 'grating' } & GratingOptions)
+  | ({ kind: 'height-field' } & HeightFieldOptions)
   | { kind: 'foil'; map: string; repeat?: [number, number]; height?: number }
 
 export type MaterialDescription = Omit<

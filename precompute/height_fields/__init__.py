@@ -1,0 +1,1 @@
+"""Height fields: measured or generated micro-relief, and what the shaders look up of it."""

@@ -1,0 +1,22 @@
+// The shape of a diffraction lobe: a Gaussian whose width comes from the coherence window, from roughness and from the
+// light's size (docs/theory.md, section 2). Directions are in the surface's frame, spatial frequencies in 1/µm.
+
+uniform float uWindowVariance;  // 1/(8π²σ²), variance of the coherence window's lobe in spatial frequency, 1/µm²
+uniform float uRoughness;       // standard deviation of the normal's tilt, rad
+
+// Covariance of a lobe in the plane of (u, v) beyond that of the coherence window (xx, yy, xy).
+// Normals tilted by ε move (u, v) by wε; a light's disc projects onto the surface. wi: ω_i; w: cosθ_i + cosθ_o.
+vec3 lobeBlur(vec3 wi, float w, float angularRadius) {
+	float tilt = w * uRoughness;
+	float source = angularRadius * angularRadius;
+	return vec3(
+		tilt * tilt + source * (1.0 - wi.x * wi.x),
+		tilt * tilt + source * (1.0 - wi.y * wi.y),
+		-source * wi.x * wi.y
+	);
+}
+
+// Covariance of a lobe in spatial frequency (xx, yy, xy), 1/µm², at a wavenumber in 1/µm. blur: of lobeBlur.
+vec3 lobeCovariance(vec3 blur, float wavenumber) {
+	return vec3(uWindowVariance, uWindowVariance, 0.0) + wavenumber * wavenumber * blur;
+}

@@ -1,0 +1,120 @@
+import { Vector2, type IUniform } from 'three'
+import heightFieldGlsl from '../../shaders/surfaces/height-field.glsl?raw'
+import { DiffractionError } from '../errors'
+import { opticsShaders } from '../glsl/optics-shaders'
+import { expectKinds, type LoadedMap } from '../maps/load'
+import { heightFieldOptics } from '../spectrum/height-field-optics'
+import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
+import { within } from '../validation'
+import type { Optics, OpticsSettings, Surface } from './surface'
+
+export interface HeightFieldOptions {
+  /**
+   * A baked field's name, as in 'bumps', or the address of one without its method, as in
+   * 'maps/baked/height-field-bumps'.
+   */
+  field: string
+  /** Angle from growing u to the patch's x axis, rad; 0 by default. */
+  orientation?: number
+  /** Share of the surface that diffracts, 0 to 1 (default); the rest shows the matt base. */
+  strength?: number
+  /** Refractive index of a dielectric such as skin; null (default) where the material's metal reflects. */
+  ior?: number | null
+}
+
+/** A measured or generated relief that repeats over the whole surface. */
+export class HeightField implements Surface {
+  readonly name = 'HeightField'
+  readonly glsl = heightFieldGlsl
+  readonly glslFiles = opticsShaders
+  readonly methods = ['line-sum', 'jacobi-anger', 'taylor'] as const
+  readonly energies = ['kirchhoff', 'relative'] as const
+  readonly uniforms = {
+    uReliefDirection: { value: new Vector2(1, 0) },
+    uReliefStrength: { value: 1 },
+    uReliefIor: { value: 1.5 },
+  } satisfies Record<string, IUniform>
+  /** The baked field's name or address. */
+  readonly field: string
+  #orientation = 0
+  #isDielectric = false
+  #version = 0
+
+  constructor({ field, orientation = 0, strength = 1, ior = null }: HeightFieldOptions) {
+    if (typeof field !== 'string' || field === '')
+      throw new DiffractionError({
+        file: this.name,
+        field: 'field',
+        value: field,
+        expected: 'the name of a baked height field, or its address without method and extension',
+      })
+    this.field = field
+    this.orientation = orientation
+    this.strength = strength
+    this.ior = ior
+  }
+
+  get version(): number {
+    return this.#version
+  }
+
+  get defines(): Record<string, string | boolean> {
+    return { DIELECTRIC: this.#isDielectric }
+  }
+
+  /** Angle from growing u to the patch's x axis, rad. */
+  get orientation(): number {
+    return this.#orientation
+  }
+
+  set orientation(value: number) {
+    this.#orientation = within(this.name, 'orientation', value, -Infinity, Infinity, 'rad')
+    this.uniforms.uReliefDirection.value.set(Math.cos(value), Math.sin(value))
+  }
+
+  /** Share of the surface that diffracts, 0 to 1. */
+  get strength(): number {
+    return this.uniforms.uReliefStrength.value
+  }
+
+  set strength(value: number) {
+    const wasPartial = this.isPartial
+    this.uniforms.uReliefStrength.value = within(this.name, 'strength', value, 0, 1)
+    if (this.isPartial !== wasPartial) this.#version++
+  }
+
+  get isPartial(): boolean {
+    return this.strength < 1
+  }
+
+  /** Refractive index of a dielectric; null where the material's metal reflects. */
+  get ior(): number | null {
+    return this.#isDielectric ? this.uniforms.uReliefIor.value : null
+  }
+
+  set ior(value: number | null) {
+    // Below 1 light could be totally reflected; above 4 there is no transparent matter.
+    if (value !== null) this.uniforms.uReliefIor.value = within(this.name, 'ior', value, 1, 4)
+    this.#isDielectric = value !== null
+    this.#version++
+  }
+
+  tables(settings: OpticsSettings, mapsPath: string): Record<string, string> {
+    const { field } = this
+    const address = field.includes('/') ? field : `${mapsPath}height-field-${field}`
+    // The lines' amplitudes come from the same series.
+    const series = settings.method === 'taylor' ? 'taylor' : 'jacobi-anger'
+    return { terms: `${address}-${series}`, ...spectrumUrls(settings, mapsPath) }
+  }
+
+  optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
+    const maps = expectKinds(this.name, tables, {
+      terms: 'height-field-terms',
+      lobes: 'lobes',
+      metals: 'metals',
+    })
+    const optics = heightFieldOptics(maps, settings, this.#isDielectric)
+    const uniforms = { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(maps.lobes) } }
+    return { ...optics, uniforms }
+  }
+}
