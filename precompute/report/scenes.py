@@ -11,16 +11,18 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from precompute.errors import InputError, unreadable
 from precompute.validation import first_failure
 
-MethodName = Literal["closed-form", "wavelength-loop", "taylor"]
+MethodName = Literal[
+    "closed-form", "wavelength-loop", "taylor", "jacobi-anger", "line-sum", "baked"
+]
 SurfaceName = Literal["grating", "foil", "height_field"]
 Lighting = Literal["directional", "point", "environment", "mixed"]
 
-METHOD_OPTIONS: dict[MethodName, dict[str, str]] = {
+METHOD_OPTIONS: dict[str, dict[str, str]] = {
     "closed-form": {"method": "closed-form"},
     "wavelength-loop": {"method": "wavelength-loop", "efficiencies": "table"},
     "taylor": {"method": "wavelength-loop", "efficiencies": "taylor"},
 }
-"""The material's options that choose a method."""
+"""The material's options that choose a grating's method; a height field's are called as here."""
 
 
 class Knobs(BaseModel):
@@ -63,9 +65,13 @@ class Method(BaseModel):
         knobs = [f"{value:g}{unit[name]}" for name, value in self.knobs.stated().items()]
         return ", ".join([self.method, *knobs])
 
-    def material(self) -> dict[str, Any]:
-        """Options of `DiffractionMaterial` that this method needs."""
-        options: dict[str, Any] = dict(METHOD_OPTIONS[self.method])
+    def material(self, surface: SurfaceName) -> dict[str, Any]:
+        """Options of `DiffractionMaterial` that this method needs on a surface."""
+        options: dict[str, Any] = (
+            {"method": self.method}
+            if surface == "height_field"
+            else dict(METHOD_OPTIONS[self.method])
+        )
         if self.knobs.wavelength_step is not None:
             options["wavelengthStep"] = self.knobs.wavelength_step
         if self.knobs.environment_nodes is not None:
@@ -119,7 +125,8 @@ class Scene(BaseModel):
     @property
     def surface(self) -> SurfaceName:
         """Kind of the surface."""
-        return self.description["surface"]["kind"]
+        kind = self.description["surface"]["kind"]
+        return "height_field" if kind == "height-field" else kind
 
     @property
     def lighting(self) -> Lighting:
@@ -135,7 +142,7 @@ class Scene(BaseModel):
 
     def drawn_by(self, method: Method) -> dict[str, Any]:
         """The description with the method's options in its material."""
-        material = self.description.get("material", {}) | method.material()
+        material = self.description.get("material", {}) | method.material(self.surface)
         return self.description | {"material": material}
 
     def picture_name(self, index: int) -> str:

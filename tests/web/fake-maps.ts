@@ -90,6 +90,46 @@ export function fakeMetals(): FakeMap {
   ])
 }
 
+/** Five terms of a height field with 2 × 3 lines; every number is different. */
+export function fakeTerms(): FakeMap {
+  const count = (length: number): number[] => Array.from({ length }, (_, i) => i / 64)
+  const constants = { period_x: 2, period_y: 3, amplitude: 0.1, max_phase: 4, terms: 5 }
+  return makeMap('height-field-terms', constants, [
+    {
+      name: 'terms',
+      bytes: halves(count(3 * 3 * 2 * 4)),
+      dtype: 'float16',
+      shape: [3, 3, 2, 4],
+      axes: [
+        axis('pair', 3, 'linear', 0, 2),
+        axis('line along y', 3, 'linear', -1, 1),
+        axis('line along x', 2, 'linear', 0, 1),
+      ],
+    },
+    {
+      name: 'coefficients',
+      bytes: new Uint8Array(Float32Array.from(count(5 * 4)).buffer),
+      dtype: 'float32',
+      shape: [5, 4, 1],
+      axes: [axis('term', 5, 'linear', 0, 4), axis('x', 4, 'linear', 0, 4)],
+    },
+    {
+      name: 'places',
+      bytes: new Uint8Array(Float32Array.from(count(2 * 4)).buffer),
+      dtype: 'float32',
+      shape: [2, 4],
+      axes: [axis('cell', 2, 'linear', 0, 1)],
+    },
+    {
+      name: 'powers',
+      bytes: new Uint8Array(Float32Array.from(count(2 * 3)).buffer),
+      dtype: 'float32',
+      shape: [2, 3, 1],
+      axes: [axis('cell', 2, 'linear', 0, 1), axis('w/lambda', 3, 'linear', 0, 5.3)],
+    },
+  ])
+}
+
 /** A foil of 2 × 2 texels as a PNG of 8 bits. */
 export function fakeFoil(pixels = Uint8Array.from({ length: 16 }, (_, i) => 16 * i)): FakeMap {
   const constants = { height_um: 0.1, min_frequency: 0.4, max_frequency: 0.8, tile_mm: [10, 10] }

@@ -1,7 +1,7 @@
 import { DataUtils } from 'three'
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest'
 import { arrayOf, constantOf, loadMap, valuesOf, type LoadedMap } from '../../web/maps/load'
-import { efficiencyTexture } from '../../web/spectrum/efficiency-texture'
+import { stepTexture } from '../../web/maps/step-texture'
 import { lobeTexture } from '../../web/spectrum/lobe-texture'
 import { maxOrder } from '../../web/spectrum/max-order'
 import { metalReflectance } from '../../web/spectrum/metal-reflectance'
@@ -29,7 +29,7 @@ describe('the texture of efficiencies', () => {
   it('holds each efficiency and its step to the next phase', () => {
     const array = arrayOf(rectangular, 'efficiency')
     const [height, width] = array.spec.shape as [number, number]
-    const { image } = efficiencyTexture(rectangular)
+    const { image } = stepTexture(rectangular, 'efficiency')
     expect(image).toMatchObject({ width, height })
     const efficiencies = valuesOf(array)
     const texels = image.data as Float32Array
@@ -39,7 +39,7 @@ describe('the texture of efficiencies', () => {
       const next = isLast ? efficiencies[i]! : efficiencies[i + 1]!
       expect(texels[2 * i]! + texels[2 * i + 1]!).toBeCloseTo(next, 6)
     }
-    expect(efficiencyTexture(rectangular)).toBe(efficiencyTexture(rectangular))
+    expect(stepTexture(rectangular, 'efficiency')).toBe(stepTexture(rectangular, 'efficiency'))
   })
 })
 

@@ -1,9 +1,12 @@
+import bakedPattern from '../../shaders/baked-pattern.glsl?raw'
+import cells from '../../shaders/cells.glsl?raw'
 import efficiency from '../../shaders/efficiency.glsl?raw'
 import expansion from '../../shaders/expansion.glsl?raw'
 import fresnel from '../../shaders/fresnel.glsl?raw'
 import grating from '../../shaders/grating.glsl?raw'
 import heightField from '../../shaders/height-field.glsl?raw'
 import kirchhoff from '../../shaders/kirchhoff.glsl?raw'
+import lineSpectrum from '../../shaders/line-spectrum.glsl?raw'
 import lobe from '../../shaders/lobe.glsl?raw'
 import propagation from '../../shaders/propagation.glsl?raw'
 import spectrum from '../../shaders/spectrum.glsl?raw'
@@ -11,12 +14,15 @@ import surfacePoint from '../../shaders/surface-point.glsl?raw'
 
 /** The optics of surfaces, by the names they include each other by. */
 export const opticsShaders: Record<string, string> = {
+  'baked-pattern.glsl': bakedPattern,
+  'cells.glsl': cells,
   'efficiency.glsl': efficiency,
   'expansion.glsl': expansion,
   'fresnel.glsl': fresnel,
   'grating.glsl': grating,
   'height-field.glsl': heightField,
   'kirchhoff.glsl': kirchhoff,
+  'line-spectrum.glsl': lineSpectrum,
   'lobe.glsl': lobe,
   'propagation.glsl': propagation,
   'spectrum.glsl': spectrum,

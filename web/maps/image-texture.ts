@@ -2,13 +2,13 @@ import {
   DataTexture,
   FloatType,
   HalfFloatType,
-  NearestFilter,
   RepeatWrapping,
   RGBAFormat,
   UnsignedByteType,
   type TextureDataType,
 } from 'three'
 import { arrayOf, type LoadedMap, type MapArray } from './load'
+import { sharedTexture, unfiltered } from './shared-texture'
 import type { Dtype } from './sidecar'
 
 const TYPES: Record<Dtype, TextureDataType> = {
@@ -17,24 +17,19 @@ const TYPES: Record<Dtype, TextureDataType> = {
   uint8: UnsignedByteType,
 }
 
-const made = new WeakMap<MapArray, DataTexture>()
-
 /**
  * An image of the surface, of four channels, as a texture that repeats, v upwards. Nearest texel: between two dots of a
- * foil lies neither's orientation, and the mean of two orientations is a third that is not there. Made once an array.
+ * foil lies neither's orientation, and the mean of two orientations is a third that is not there.
  */
 export function imageTexture(map: LoadedMap, name: string): DataTexture {
-  const array = arrayOf(map, name)
-  const known = made.get(array)
-  if (known !== undefined) return known
-  const [height, width] = array.spec.shape
-  const texture = new DataTexture(flipRows(array.data, height!), width, height, RGBAFormat)
-  texture.type = TYPES[array.spec.dtype]
-  texture.wrapS = texture.wrapT = RepeatWrapping
-  texture.minFilter = texture.magFilter = NearestFilter
-  texture.needsUpdate = true
-  made.set(array, texture)
-  return texture
+  return sharedTexture(map, name, () => {
+    const { spec, data } = arrayOf(map, name)
+    const [height, width] = spec.shape
+    const texture = new DataTexture(flipRows(data, height!), width, height, RGBAFormat)
+    texture.type = TYPES[spec.dtype]
+    texture.wrapS = texture.wrapT = RepeatWrapping
+    return unfiltered(texture)
+  })
 }
 
 function flipRows(data: MapArray['data'], rows: number): MapArray['data'] {

@@ -26,10 +26,22 @@ const CONTENTS: Record<
     arrays: { reflectance: { rank: 3, channels: 4 } },
     constants: {},
   },
+  'height-field-baked': {
+    arrays: {
+      modes: { rank: 4, channels: 4 },
+      weights: { rank: 3, channels: 4 },
+      coherent: { rank: 3, channels: 1 },
+      places: { rank: 2, channels: 4 },
+      powers: { rank: 3, channels: 1 },
+    },
+    constants: { modes: 1, u_max: 1, v_max: 1, coherent_max: 1, angular_radius: 1 },
+  },
   'height-field-terms': {
     arrays: {
       terms: { rank: 4, channels: 4 },
       coefficients: { rank: 3, channels: 1 },
+      places: { rank: 2, channels: 4 },
+      powers: { rank: 3, channels: 1 },
     },
     constants: { period_x: 1, period_y: 1, amplitude: 1, max_phase: 1, terms: 1 },
   },

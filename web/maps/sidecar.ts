@@ -5,7 +5,14 @@ import { checkContents } from './kinds'
 export const MAP_FORMAT = 'three-diffraction/map'
 export const MAP_VERSION = 1
 
-export const MAP_KINDS = ['profile', 'lobes', 'metals', 'foil', 'height-field-terms'] as const
+export const MAP_KINDS = [
+  'profile',
+  'lobes',
+  'metals',
+  'foil',
+  'height-field-terms',
+  'height-field-baked',
+] as const
 export type MapKind = (typeof MAP_KINDS)[number]
 
 export const DTYPES = ['float16', 'float32', 'uint8'] as const

@@ -1,10 +1,10 @@
 import { floatLiteral } from '../glsl/float-literal'
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
+import { stepTexture } from '../maps/step-texture'
 import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface'
-import { efficiencyTexture } from './efficiency-texture'
 import { maxOrder, propagatingOrder } from './max-order'
 import { SpectralTextures } from './spectral-textures'
-import { spectrumOptics, wavelengthsOfLoop, windowVariance } from './spectrum-optics'
+import { ARC_FILTER, spectrumOptics, wavelengthsOfLoop, windowVariance } from './spectrum-optics'
 
 /** The tables that a grating's optics read. */
 export interface GratingTables {
@@ -19,13 +19,6 @@ export interface GratingOpticsSettings extends OpticsSettings {
   /** Shortest and longest period on the surface, µm. */
   period: readonly [number, number]
 }
-
-/**
- * Share of a node's arc over which the environment is filtered. A mip level blurs across the arc as much as along it, so
- * less than the whole arc is best: of 0, 0.35, 0.7, 1 and 1.4 this had the least error with 8 to 21 nodes under the
- * studio, venice, night and warehouse environments of @pmndrs/assets.
- */
-const ARC_FILTER = 0.35
 
 /** Defines and uniforms of shaders/grating.glsl. */
 export function gratingOptics(tables: GratingTables, settings: GratingOpticsSettings): Optics {
@@ -61,7 +54,7 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     features: describeOptics(settings, shown),
     uniforms: {
       ...spectrum.uniforms,
-      uEfficiencyTable: { value: efficiencyTexture(profile) },
+      uEfficiencyTable: { value: stepTexture(profile, 'efficiency') },
       uGratingHeight: { value: settings.height },
       uLobeTable: { value: spectra.lobe() },
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },

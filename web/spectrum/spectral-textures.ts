@@ -1,11 +1,10 @@
 import type { DataTexture } from 'three'
 import type { LoadedMap } from '../maps/load'
+import { sharedTexture } from '../maps/shared-texture'
 import type { Metal } from '../surfaces/surface'
 import { lobeTexture } from './lobe-texture'
 import { metalReflectance } from './metal-reflectance'
 import { nodesTexture, spectralNodes, type Placement } from './spectral-nodes'
-
-const made = new WeakMap<LoadedMap, Map<string, DataTexture>>()
 
 /** The spectral textures of one illuminant seen in one metal; each is made once and shared by all materials. */
 export class SpectralTextures {
@@ -31,11 +30,6 @@ export class SpectralTextures {
   }
 
   #once(name: string, make: () => DataTexture): DataTexture {
-    let textures = made.get(this.lobes)
-    if (textures === undefined) made.set(this.lobes, (textures = new Map<string, DataTexture>()))
-    const key = `${this.metal ?? 'mirror'} ${name}`
-    let texture = textures.get(key)
-    if (texture === undefined) textures.set(key, (texture = make()))
-    return texture
+    return sharedTexture(this.lobes, `${this.metal ?? 'mirror'} ${name}`, make)
   }
 }

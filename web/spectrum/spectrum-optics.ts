@@ -6,6 +6,13 @@ import type { OpticsSettings } from '../surfaces/surface'
 /** Width of the visible range in wavelength, µm. */
 const VISIBLE = 0.4
 
+/**
+ * Share of a node's arc over which the environment is filtered. A mip level blurs across the arc as much as along it, so
+ * less than the whole arc is best: of 0, 0.35, 0.7, 1 and 1.4 this had the least error with 8 to 21 nodes under the
+ * studio, venice, night and warehouse environments of @pmndrs/assets.
+ */
+export const ARC_FILTER = 0.35
+
 /** How many wavelengths a loop in steps of that many µm visits, both ends included. */
 export function wavelengthsOfLoop(step: number): number {
   return Math.round(VISIBLE / step) + 1

@@ -3,7 +3,7 @@ import heightFieldGlsl from '../../shaders/surfaces/height-field.glsl?raw'
 import { DiffractionError } from '../errors'
 import { opticsShaders } from '../glsl/optics-shaders'
 import { expectKinds, type LoadedMap } from '../maps/load'
-import { heightFieldOptics } from '../spectrum/height-field-optics'
+import { heightFieldOptics } from '../height-field/optics'
 import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
 import { within } from '../validation'
 import type { Optics, OpticsSettings, Surface } from './surface'
@@ -27,7 +27,7 @@ export class HeightField implements Surface {
   readonly name = 'HeightField'
   readonly glsl = heightFieldGlsl
   readonly glslFiles = opticsShaders
-  readonly methods = ['line-sum', 'jacobi-anger', 'taylor'] as const
+  readonly methods = ['line-sum', 'baked', 'jacobi-anger', 'taylor'] as const
   readonly energies = ['kirchhoff', 'relative'] as const
   readonly uniforms = {
     uReliefDirection: { value: new Vector2(1, 0) },
@@ -103,13 +103,13 @@ export class HeightField implements Surface {
     const { field } = this
     const address = field.includes('/') ? field : `${mapsPath}height-field-${field}`
     // The lines' amplitudes come from the same series.
-    const series = settings.method === 'taylor' ? 'taylor' : 'jacobi-anger'
-    return { terms: `${address}-${series}`, ...spectrumUrls(settings, mapsPath) }
+    const baked = settings.method === 'line-sum' ? 'jacobi-anger' : settings.method
+    return { relief: `${address}-${baked}`, ...spectrumUrls(settings, mapsPath) }
   }
 
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
     const maps = expectKinds(this.name, tables, {
-      terms: 'height-field-terms',
+      relief: settings.method === 'baked' ? 'height-field-baked' : 'height-field-terms',
       lobes: 'lobes',
       metals: 'metals',
     })

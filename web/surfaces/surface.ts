@@ -11,6 +11,7 @@ export const METHODS = [
   'closed-form',
   'wavelength-loop',
   'line-sum',
+  'baked',
   'jacobi-anger',
   'taylor',
 ] as const

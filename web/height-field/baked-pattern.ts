@@ -1,0 +1,101 @@
+import {
+  DataArrayTexture,
+  DataTexture,
+  FloatType,
+  HalfFloatType,
+  LinearFilter,
+  RGBAFormat,
+  Vector2,
+} from 'three'
+import { DiffractionError } from '../errors'
+import { floatLiteral } from '../glsl/float-literal'
+import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load'
+import { sharedTexture, unfiltered } from '../maps/shared-texture'
+import { stepTexture } from '../maps/step-texture'
+import type { LightOptics, OpticsSettings } from '../surfaces/surface'
+import type { Pattern } from './optics'
+
+/** Defines and uniforms of shaders/baked-pattern.glsl; refuses settings other than those that were baked in. */
+export function bakedPattern(
+  relief: LoadedMap,
+  lobes: LoadedMap,
+  settings: OpticsSettings,
+  isDielectric: boolean,
+): Pattern {
+  const { recipe } = relief.sidecar
+  const asked = {
+    roughness: settings.roughness,
+    coherence: settings.coherence,
+    illuminant: settings.illuminant,
+    observer: settings.observer,
+    metal: isDielectric ? null : settings.metal,
+    energy: settings.energy,
+  }
+  const baked: Record<string, unknown> = { ...recipe, observer: '1931-2', energy: 'kirchhoff' }
+  for (const [field, value] of Object.entries(asked))
+    if (value !== baked[field])
+      throw new DiffractionError({
+        file: `${relief.url}.json`,
+        field,
+        value,
+        expected: `${JSON.stringify(baked[field])}, which was baked in, or another method`,
+      })
+  const constant = (name: string): number => constantOf(relief, name)[0]!
+  const [groups, samples] = arrayOf(relief, 'weights').spec.shape
+  return {
+    defines: {
+      BAKED: '',
+      MODE_GROUPS: groups!,
+      WEIGHT_SAMPLES: samples!,
+      COHERENT_MAX: floatLiteral(constant('coherent_max')),
+      COHERENT_SAMPLES: arrayOf(relief, 'coherent').spec.shape[1]!,
+    },
+    uniforms: {
+      uModes: { value: modesTexture(relief) },
+      uModeWeights: { value: weightsTexture(relief) },
+      uCoherentPower: { value: stepTexture(relief, 'coherent') },
+      uPatternReach: { value: new Vector2(constant('u_max'), constant('v_max')) },
+      uPatternRadius: { value: constant('angular_radius') },
+    },
+    features: [
+      {
+        feature: `baked pattern of ${constant('modes')} modes`,
+        included: true,
+        why: `method is '${settings.method}'`,
+      },
+    ],
+    underLights: (angularRadius) => lightSize(angularRadius, constant('angular_radius')),
+    nodes: { count: constantOf(lobes, 'wide_lobe_nodes')[0]!, placement: 'weighted' },
+  }
+}
+
+function lightSize(angularRadius: number, baked: number): LightOptics {
+  const included = angularRadius === baked
+  const why = included
+    ? 'the map was baked for it'
+    : `the map was baked for lights of ${baked} rad, and shows all as such`
+  return { defines: {}, features: [{ feature: 'size of the lights', included, why }] }
+}
+
+/** B-spline coefficients over (u, v), three layers a group of four modes. */
+function modesTexture(relief: LoadedMap): DataArrayTexture {
+  return sharedTexture(relief, 'modes', () => {
+    const { spec, data } = arrayOf(relief, 'modes')
+    const [layers, height, width] = spec.shape
+    const texture = new DataArrayTexture(data, width, height, layers)
+    texture.format = RGBAFormat
+    texture.type = HalfFloatType
+    texture.minFilter = texture.magFilter = LinearFilter
+    texture.needsUpdate = true
+    return texture
+  })
+}
+
+/** ψ over w, four modes a texel, a row a group. */
+function weightsTexture(relief: LoadedMap): DataTexture {
+  return sharedTexture(relief, 'weights', () => {
+    const array = arrayOf(relief, 'weights')
+    const [groups, samples] = array.spec.shape
+    return unfiltered(new DataTexture(valuesOf(array), samples, groups, RGBAFormat, FloatType))
+  })
+}

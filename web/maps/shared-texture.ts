@@ -1,0 +1,20 @@
+import { NearestFilter, type Texture } from 'three'
+import type { LoadedMap } from './load'
+
+const made = new WeakMap<LoadedMap, Map<string, Texture>>()
+
+/** A texture made of a map, once for all materials that read it; `name` tells a map's textures apart. */
+export function sharedTexture<T extends Texture>(map: LoadedMap, name: string, make: () => T): T {
+  let textures = made.get(map)
+  if (textures === undefined) made.set(map, (textures = new Map<string, Texture>()))
+  let texture = textures.get(name)
+  if (texture === undefined) textures.set(name, (texture = make()))
+  return texture as T
+}
+
+/** Texels as they are, without blending between them. */
+export function unfiltered<T extends Texture>(texture: T): T {
+  texture.minFilter = texture.magFilter = NearestFilter
+  texture.needsUpdate = true
+  return texture
+}
