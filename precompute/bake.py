@@ -1,11 +1,17 @@
-"""From a recipe's file to a map's files."""
+"""From a recipe's file to the files of its maps."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from precompute.efficiencies import profile_map
 from precompute.foils import polygons_foil
+from precompute.height_fields.baked import baked_map
+from precompute.height_fields.expansion import check_taylor
+from precompute.height_fields.prepare import prepared
+from precompute.height_fields.recipe import HeightFieldRecipe
+from precompute.height_fields.terms import terms_map
 from precompute.lobes import lobes_map, metals_map
 from precompute.maps import Map
 from precompute.recipes import (
@@ -19,29 +25,53 @@ from precompute.recipes import (
 
 
 def bake(file: Path, folder: Path) -> list[Path]:
-    """Bake one recipe; the map takes the recipe's name.
+    """Bake one recipe; a map takes its recipe's name, a height field's its method's as well.
 
     Args:
         file: The recipe.
-        folder: Where the map goes.
+        folder: Where the maps go.
 
     Returns:
-        The files written, the sidecar last.
+        The files written, each map's sidecar last.
 
     Raises:
-        InputError: The recipe is not one.
+        InputError: The recipe is not one, or what it asks for cannot be made.
     """
-    return baked_map(read_recipe(file), file.parent).write(folder, file.stem)
+    written = []
+    for suffix, baked in baked_maps(read_recipe(file), file):
+        written += baked.write(folder, file.stem + suffix)
+    return written
 
 
-def baked_map(recipe: Recipe, beside: Path) -> Map:
-    """The map of a recipe; files it names are looked for in `beside`."""
+def baked_maps(recipe: Recipe, file: Path) -> Iterator[tuple[str, Map]]:
+    """The maps of a recipe, one after the other, each with what its name adds to the recipe's.
+
+    Args:
+        recipe: What to bake.
+        file: The recipe's file; others that it names are looked for beside it.
+    """
     match recipe:
         case ProfileRecipe():
-            return profile_map(recipe)
+            yield "", profile_map(recipe)
         case LobesRecipe():
-            return lobes_map(recipe, beside)
+            yield "", lobes_map(recipe, file.parent)
         case MetalsRecipe():
-            return metals_map(recipe)
+            yield "", metals_map(recipe)
         case PolygonsFoilRecipe():
-            return polygons_foil(recipe)
+            yield "", polygons_foil(recipe)
+        case HeightFieldRecipe():
+            yield from _height_field_maps(recipe, file)
+
+
+def _height_field_maps(recipe: HeightFieldRecipe, file: Path) -> Iterator[tuple[str, Map]]:
+    """A map for each method."""
+    field = prepared(recipe, file.parent)
+    if "taylor" in recipe.methods:
+        check_taylor(field, file)  # before any of the maps is written
+    for method in recipe.methods:
+        if method == "baked":
+            baked = baked_map(field, recipe, file)
+        else:
+            stated = recipe.model_dump(mode="json")
+            baked = terms_map(field, method, recipe.terms, recipe.error, stated, file)
+        yield f"-{method}", baked

@@ -12,14 +12,13 @@ from typing import Annotated, TextIO
 import rich.progress
 import typer
 from rich.console import Console
-from rich.progress import track
 
 from precompute.errors import InputError, unreadable
 from precompute.files import written_aside
 from precompute.methods import Method
+from precompute.progress import console, tracked
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
-console = Console(stderr=True)
 
 
 @app.callback()
@@ -48,30 +47,46 @@ def bake(
     from precompute.bake import bake as bake_recipe
 
     with one_line_errors():
-        total = 0
-        quiet = not console.is_terminal
-        for recipe in track(recipes, description="Baking", console=console, disable=quiet):
-            files = bake_recipe(recipe, output)
-            total += sum(file.stat().st_size for file in files)
-        console.print(f"{len(recipes)} maps, {total / 1024:.0f} KiB, in {output}")
+        files = [file for r in tracked(recipes, "Baking") for file in bake_recipe(r, output)]
+        maps = sum(file.suffix == ".json" for file in files)
+        total = sum(file.stat().st_size for file in files)
+        console.print(f"{maps} maps, {total / 1024:.0f} KiB, in {output}")
 
 
 @app.command()
 def inspect(
-    maps: Annotated[list[Path], typer.Argument(metavar="MAP", help="Maps, with or without .json.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="MAP",
+            help="Maps, with or without .json, or recipes of height fields.",
+        ),
+    ],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder for a picture of each array.")
+        Path | None,
+        typer.Option("--output", "-o", help="Folder for pictures: of a map's arrays, of a field."),
     ] = None,
 ) -> None:
-    """Say what is in a map; verify its checksums; with -o, draw it."""
-    from precompute.inspection import description, write_pictures
+    """Say what is in a map, and verify its checksums, or in a height field; with -o, draw it."""
+    from precompute import inspection
+    from precompute.height_fields import inspection as field_inspection
 
     with one_line_errors():
-        for file in maps:
-            Console().print(description(file))
-            if output is not None:
-                for picture in write_pictures(file, output):
-                    console.print(str(picture), markup=False, soft_wrap=True)
+        for file in files:
+            field = field_inspection.field_of_recipe(file)
+            if field is None:
+                text = inspection.description(file)
+            else:
+                text = field_inspection.description(field, file.stem)
+            Console().print(text)
+            if output is None:
+                continue
+            if field is None:
+                pictures = inspection.write_pictures(file, output)
+            else:
+                pictures = field_inspection.write_pictures(field, file.stem, output)
+            for picture in pictures:
+                console.print(str(picture), markup=False, soft_wrap=True)
 
 
 @app.command()

@@ -22,7 +22,7 @@ from precompute.validation import first_failure
 
 FORMAT = "three-diffraction/map"
 VERSION = 1
-Kind = Literal["profile", "lobes", "metals", "foil"]
+Kind = Literal["profile", "lobes", "metals", "foil", "height-field-terms", "height-field-baked"]
 
 
 class ArraySpec(BaseModel):

@@ -19,6 +19,7 @@ from pydantic import (
 
 from precompute.errors import unreadable
 from precompute.gratings import Grating, Light, Positive
+from precompute.height_fields.recipe import HeightFieldRecipe
 from precompute.methods import Method
 from precompute.profiles import Profile
 from precompute.spectra import ILLUMINANTS, Observer
@@ -151,7 +152,8 @@ class GratingRecipe(Grating, Light):
 
 
 Recipe: TypeAlias = Annotated[
-    ProfileRecipe | LobesRecipe | MetalsRecipe | PolygonsFoilRecipe, Field(discriminator="kind")
+    ProfileRecipe | LobesRecipe | MetalsRecipe | PolygonsFoilRecipe | HeightFieldRecipe,
+    Field(discriminator="kind"),
 ]
 
 _RECIPE: TypeAdapter[Recipe] = TypeAdapter(Recipe)

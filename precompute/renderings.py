@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from precompute.errors import unreadable
+from precompute.errors import InputError, unreadable
 from precompute.gratings import Grating, Light
+from precompute.height_fields.environment import (
+    environment_radiance as height_field_environment_radiance,
+)
+from precompute.height_fields.field import HeightField
+from precompute.height_fields.optics import HeightFieldOptics
+from precompute.height_fields.prepare import prepared
+from precompute.height_fields.recipe import HeightFieldRecipe
+from precompute.height_fields.reference import colour_brdf as height_field_colour_brdf
 from precompute.maps import Map
 from precompute.profiles import Profile
-from precompute.recipes import ProfileRecipe
+from precompute.recipes import ProfileRecipe, read_recipe
 from precompute.reference import colour_brdf, environment_radiance
-from precompute.spectra import xyz_to_linear_srgb
+from precompute.spectra import WAVELENGTHS, xyz_to_linear_srgb
 
 Array = NDArray[np.float64]
+ColourBrdf = Callable[[Array, Array, Light], Array]
+"""XYZ in 1/sr, shape (n, 3), for ω_i and ω_o in the surface's frame and a light."""
+
+OPTICS = ("metal", "coherence", "roughness", "energy")
+"""Options of the material that the reference shares."""
 
 TILTS = 9
 """Nodes per axis of a rough surface's tilts under an environment, over ±3 standard deviations."""
@@ -101,7 +115,8 @@ def reference_xyz(rendering: Rendering, maps: Path, stride: int = 1) -> Array:
 
     Args:
         rendering: Geometry, lights and environment.
-        maps: Folder of the baked maps; only their recipes are read.
+        maps: Folder of the baked maps; only their recipes are read, those of height fields from
+            the folder ``recipes`` beside it.
         stride: Keeps every so-many-th covered pixel.
 
     Returns:
@@ -113,23 +128,75 @@ def reference_xyz(rendering: Rendering, maps: Path, stride: int = 1) -> Array:
     frame /= np.linalg.norm(frame, axis=2, keepdims=True)
     position = layers["position"][:, :3]
     wo = _local(frame, -position / np.linalg.norm(position, axis=1, keepdims=True))
+    if rendering.scene["surface"]["kind"] == "height-field":
+        result = _height_field_xyz(rendering, maps, position, frame, wo)
+    else:
+        frequencies = layers["tangent"][:, 3]
+        result = _gratings_xyz(rendering, maps, position, frame, wo, frequencies)
+    return layers["normal"][:, 3:] * result
+
+
+def _height_field_xyz(
+    rendering: Rendering, maps: Path, position: Array, frame: Array, wo: Array
+) -> Array:
+    field, optics = _height_field(rendering, maps)
+
+    def brdf(wi: Array, wo: Array, light: Light) -> Array:
+        return height_field_colour_brdf(field, optics, wi, wo, light)
+
+    result = np.zeros((len(wo), 3))
+    for light in rendering.view["lights"]:
+        result += _lit_by(light, brdf, rendering, position, frame, wo)
+    if rendering.environment is not None:
+        environment, view = _environment(rendering)
+        rows = np.flatnonzero(wo[:, 2] > 0)
+        result[rows] += height_field_environment_radiance(
+            field,
+            optics,
+            wo[rows],
+            environment,
+            rendering.light,
+            WAVELENGTHS[5::10],  # thousands of lines vary little from one to the next
+            frame[rows] @ view,
+        )
+    return result
+
+
+def _gratings_xyz(
+    rendering: Rendering, maps: Path, position: Array, frame: Array, wo: Array, frequencies: Array
+) -> Array:
     profile, height = _relief(rendering, maps)
-    keys = ("metal", "coherence", "roughness", "energy")
-    options = {k: v for k, v in rendering.material.items() if k in keys}
-    result = np.zeros((len(n), 3))
-    frequencies = layers["tangent"][:, 3]
+    options = {k: v for k, v in rendering.material.items() if k in OPTICS}
+    result = np.zeros((len(wo), 3))
     for frequency in np.unique(frequencies):
         if frequency <= 0:
             continue
         rows = frequencies == frequency
         grating = Grating(period=1 / frequency, height=height, profile=profile, **options)
+
+        def brdf(wi: Array, wo: Array, light: Light, grating: Grating = grating) -> Array:
+            return colour_brdf(grating, wi, wo, light)
+
         for light in rendering.view["lights"]:
-            result[rows] += _lit_by(
-                light, grating, rendering, position[rows], frame[rows], wo[rows]
-            )
+            result[rows] += _lit_by(light, brdf, rendering, position[rows], frame[rows], wo[rows])
         if rendering.environment is not None:
             result[rows] += _lit_by_environment(rendering, grating, frame[rows], wo[rows])
-    return layers["normal"][:, 3:] * result
+    return result
+
+
+def _height_field(rendering: Rendering, maps: Path) -> tuple[HeightField, HeightFieldOptics]:
+    """The prepared field that the surface names, by name or by address, and the material."""
+    surface = rendering.scene["surface"]
+    name = Path(surface["field"]).name.removeprefix("height-field-")
+    file = maps.parent / "recipes" / f"height-field-{name}.json"
+    recipe = read_recipe(file)
+    if not isinstance(recipe, HeightFieldRecipe):
+        raise InputError(file, "kind", recipe.kind, "height-field")
+    options = {k: v for k, v in rendering.material.items() if k in OPTICS}
+    if surface.get("ior") is not None:
+        # A dielectric shows nothing of the material's metal.
+        options |= {"ior": surface["ior"], "metal": None}
+    return prepared(recipe, file.parent), HeightFieldOptics.model_validate(options)
 
 
 def _relief(rendering: Rendering, maps: Path) -> tuple[Profile, float]:
@@ -150,7 +217,7 @@ def _local(frame: Array, direction: Array) -> Array:
 
 def _lit_by(
     light: dict[str, Any],
-    grating: Grating,
+    brdf: ColourBrdf,
     rendering: Rendering,
     position: Array,
     frame: Array,
@@ -172,14 +239,11 @@ def _lit_by(
         update={"angular_radius": radius, "tint": tuple(colour.tolist())}
     )
     irradiance = np.maximum(wi[:, 2:], 0) / distance**2
-    return irradiance * colour_brdf(grating, wi, wo, source)
+    return irradiance * brdf(wi, wo, source)
 
 
 def _lit_by_environment(rendering: Rendering, grating: Grating, frame: Array, wo: Array) -> Array:
-    texels = rendering.environment
-    assert texels is not None
-    view = np.array(rendering.view["viewMatrix"]).reshape(4, 4)[:3, :3].T  # stored by columns
-    environment = _Equirectangular(texels, rendering.view["environmentIntensity"])
+    environment, view = _environment(rendering)
     result = np.zeros((len(wo), 3))
     for start in range(0, len(wo), 512):
         part = slice(start, start + 512)
@@ -193,6 +257,14 @@ def _lit_by_environment(rendering: Rendering, grating: Grating, frame: Array, wo
             frame=frame[rows] @ view,
         )
     return result
+
+
+def _environment(rendering: Rendering) -> tuple[_Equirectangular, Array]:
+    """The environment, and the rotation from the world to the view, shape (3, 3)."""
+    assert rendering.environment is not None
+    view = np.array(rendering.view["viewMatrix"]).reshape(4, 4)[:3, :3].T  # stored by columns
+    intensity = rendering.view["environmentIntensity"]
+    return _Equirectangular(rendering.environment, intensity), view
 
 
 class _Equirectangular:

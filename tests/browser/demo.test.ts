@@ -63,6 +63,14 @@ function isBright(r: number, g: number, b: number): boolean {
   return Math.max(r, g, b) > 64
 }
 
+/** Red, green and blue, each well above the other two: what a white environment shows only by diffraction. */
+function expectColours(pixels: Pixels): void {
+  const dominates = (a: number, b: number, c: number): boolean => a > 80 && a > 1.5 * Math.max(b, c)
+  expect(shareOf(pixels, (r, g, b) => dominates(r, g, b))).toBeGreaterThan(0.002)
+  expect(shareOf(pixels, (r, g, b) => dominates(g, r, b))).toBeGreaterThan(0.002)
+  expect(shareOf(pixels, (r, g, b) => dominates(b, r, g))).toBeGreaterThan(0.002)
+}
+
 // Changes are means over all pixels, of 255; a picture that is drawn twice differs by less than 0.1.
 describe('the demo', () => {
   it('loads without complaints and shows colours', async () => {
@@ -71,12 +79,26 @@ describe('the demo', () => {
     expect(complaints).toEqual([])
     expect(await page.locator('#banner').isVisible()).toBe(false)
     expect(shareOf(pixels, isBright)).toBeGreaterThan(0.1)
-    // Red, green and blue, each well above the other two: what a white environment shows only by diffraction.
-    const dominates = (a: number, b: number, c: number): boolean =>
-      a > 80 && a > 1.5 * Math.max(b, c)
-    expect(shareOf(pixels, (r, g, b) => dominates(r, g, b))).toBeGreaterThan(0.002)
-    expect(shareOf(pixels, (r, g, b) => dominates(g, r, b))).toBeGreaterThan(0.002)
-    expect(shareOf(pixels, (r, g, b) => dominates(b, r, g))).toBeGreaterThan(0.002)
+    expectColours(pixels)
+  })
+
+  it('shows a snake in colours', async () => {
+    const { page, complaints } = await open('?scene=snake', 300, 220)
+    expectColours(await picture(page))
+    expect(complaints).toEqual([])
+  })
+
+  it('shows a sample in colours, and another relief when it is chosen', async () => {
+    const { page, complaints } = await open('?scene=sample', 820, 160)
+    const before = await picture(page)
+    expectColours(before)
+    expect(await page.getByLabel('Method').inputValue()).toBe('line-sum')
+    await page.getByLabel('Relief', { exact: true }).selectOption('cosine')
+    await page.waitForSelector('#view:not([data-state=settled])')
+    expect(meanDifference(before, await picture(page))).toBeGreaterThan(0.3)
+    expect(await page.getByLabel('Period', { exact: true }).isVisible()).toBe(false)
+    expect(await page.locator('#banner').isVisible()).toBe(false)
+    expect(complaints).toEqual([])
   })
 
   it('obeys the keyboard', async () => {

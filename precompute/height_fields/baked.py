@@ -1,0 +1,600 @@
+"""The colour of a height field, baked over (u, v, w) as a few modes (docs/theory.md).
+
+Where normals tilt or the light has a size, the lines of a repeating patch blur into a pattern that
+a table can hold. With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and s = 1/λ,
+
+    I_c(u, v, w) = ∫ W_c(λ) R(λ) s² |P|²/A dλ,      c = X, Y, Z,
+
+of which each line (j, l) is a Gaussian about (u, v) = λ f_jl with the covariance
+
+    C = λ²/(8π²σ²) + (wδ)² + α²
+
+along both axes. Order 0, the one line at f = 0, has a closed form and is left out. The rest is
+split over w by singular values, I ≈ Σ_r ψ_r(w) B_r(u, v). B_r are cubic B-splines, which follow a
+lobe on a grid whose step is the lobe's deviation, where straight lines would need less than half of
+it; a shader reads one with four bilinear lookups. Where w is so small that lobes are narrower than
+a step, the closest splines widen them and keep their energy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import scipy.fft
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from precompute.axes import Axis
+from precompute.errors import InputError
+from precompute.gratings import Light
+from precompute.height_fields.baked_lookup import OBSERVER, BakedLookup
+from precompute.height_fields.expansion import terms_needed
+from precompute.height_fields.field import HeightField
+from precompute.height_fields.optics import HeightFieldOptics
+from precompute.height_fields.recipe import HeightFieldRecipe
+from precompute.height_fields.reference import colour_brdf
+from precompute.height_fields.splines import coefficients, gaussian_moments
+from precompute.lobes import EXPONENT_CUT
+from precompute.maps import Map, Table
+from precompute.spectra import (
+    WAVELENGTH_MAX,
+    WAVELENGTH_MIN,
+    WAVELENGTH_STEP,
+    WAVELENGTHS,
+    colour_weights,
+    metal_reflectance,
+)
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complexfloating]
+Index = NDArray[np.intp]
+Singles = NDArray[np.float32]
+
+DIRECTION_MAX = 2.0
+"""Largest |u|, |v| and w: light and view grazing, or both overhead."""
+
+SHARE = 5.0
+"""What modes left out may cost, and what the grid may, each, in units of the recipe's error."""
+
+RESOLVED_W = 1.0
+"""Least w at which the grid resolves lobes to that: both directions at 60°. Lobes are narrower at
+smaller w, and take more memory than the few pixels that see them are worth."""
+
+LARGEST_GRID = 512
+"""Texels along each axis: 6 MB for four modes."""
+
+SPECTRUM_ERROR = 1e-8
+"""Largest error of |A|² interpolated in w/λ: small, since it starts as w², and is divided by that
+in the end."""
+
+BLUR_NODES = 16
+"""Chebyshev nodes over w beyond those for |A|², for the width of lobes, which changes with w."""
+
+APART = 1e-4
+"""Two lines, or a window and its repeat, that overlap by less than this do not interfere."""
+
+SMOOTHING = 0.6
+"""Deviation, in texels at the longest wavelength, by which a dense spectrum is smoothed so that
+fewer samples stand for it. As much is taken off the blur, which is more wherever the grid resolves
+lobes."""
+
+WINDOW_REACH = 5.0
+"""Deviations beyond which the window's 4e-6 count as zero."""
+
+WAVELENGTH_REACH = 1.2
+"""How far a line may move from one wavelength of the sum to the next, in deviations of its lobe: a
+row of Gaussians so far apart is smooth to 2 exp(−2π²/1.2²) = 2e-6."""
+
+COARSEST_WAVELENGTH_STEP = 0.005
+
+SAMPLES_PER_NODE = 32
+"""Samples of ψ for each Chebyshev node over w: a polynomial of degree n over [0, 2] has about the
+curvature of cos nw, from which straight lines depart by (2/32)²/8 = 5e-4."""
+
+COHERENT_STEP = 0.02
+"""Change of η_0's fastest phase from one sample to the next, rad: straight lines are off by less
+than 0.02²/8 = 5e-5."""
+
+ERROR_DIRECTIONS = 200
+"""Pairs of directions in which the error is measured."""
+
+FULL_SCALE = 1024.0
+"""Largest texel of each mode: half floats keep all their bits down to 6e-5."""
+
+
+def baked_map(
+    field: HeightField, recipe: HeightFieldRecipe, file: Path = Path("height-field")
+) -> Map:
+    """Bake I(u, v, w), and η_0 over p = w/λ for order 0.
+
+    Modes come in groups of four, a group in three layers: X, Y, Z of three modes in the first
+    channels of a layer each, X, Y, Z of the fourth in the last channels of the three.
+
+    Args:
+        field: The relief, prepared.
+        recipe: Its recipe, which says roughness, light and error.
+        file: The recipe's file, for errors; a CSV illuminant is looked for beside it.
+
+    Returns:
+        A map of kind ``height-field-baked`` with the arrays ``modes`` (layers × v × u; B-spline
+        coefficients), ``weights`` (groups × w; ψ of four modes) and ``coherent`` (a row × p; η_0).
+
+    Raises:
+        InputError: Roughness and light blur too little for the largest grid.
+    """
+    blur = _Blur.of(recipe)
+    step = blur.grid_step(SHARE * recipe.error)
+    spectrum = _spectrum(field, blur, step)
+    reach = np.minimum(spectrum.reach(recipe.error) + blur.margin, DIRECTION_MAX)
+    u, v = _grid_axes(reach, step, blur, file)
+    sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), _weights(recipe, file))
+
+    nodes = _chebyshev_nodes(0, DIRECTION_MAX, _phase_nodes(field, SHARE * 1e-4) + BLUR_NODES)
+    slices = np.stack([sums.at(w) / w for w in nodes.tolist()])
+    ψ, modes = _low_rank(slices, nodes, u, v, SHARE * recipe.error)
+    w = Axis(
+        name="sum of the cosines",
+        symbol="w",
+        unit="1",
+        size=SAMPLES_PER_NODE * len(nodes),
+        first=0,
+        last=DIRECTION_MAX,
+    )
+    ψ = w.parameters()[:, None] * (_interpolation(nodes, w.parameters()) @ ψ)
+    scale = FULL_SCALE / np.abs(modes).max(axis=(1, 2, 3))
+    result = Map(
+        kind="height-field-baked",
+        quantity="colour of a height field but for its order 0, a mirror's Y = 1",
+        symbol="I(u, v, w)",
+        tables={
+            "modes": _packed_modes(modes * scale[:, None, None, None], u, v),
+            "weights": _packed_weights(ψ / scale, w),
+            "coherent": _coherent(field),
+        },
+        error={},
+        recipe=recipe.model_dump(mode="json"),
+        constants={
+            "modes": len(modes),
+            "u_max": u.last,
+            "v_max": v.last,
+            "w_max": DIRECTION_MAX,
+            "coherent_max": DIRECTION_MAX / WAVELENGTH_MIN,
+            "roughness": recipe.roughness,
+            "angular_radius": recipe.angular_radius,
+            "coherence": recipe.coherence,
+        },
+    )
+    result.error = _error(result, field, recipe, file)
+    return result
+
+
+@dataclass(frozen=True)
+class _Blur:
+    """What gives lines their width.
+
+    Attributes:
+        window: W = 1/(8π²σ²), 1/µm²: λ²W is the window's variance in (u, v).
+        coherence: σ, µm.
+        roughness: δ, rad.
+        angular_radius: α, rad.
+    """
+
+    window: float
+    coherence: float
+    roughness: float
+    angular_radius: float
+
+    @staticmethod
+    def of(recipe: HeightFieldRecipe) -> _Blur:
+        σ = recipe.coherence
+        return _Blur(1 / (8 * np.pi**2 * σ**2), σ, recipe.roughness, recipe.angular_radius)
+
+    def variance(self, w: float) -> float:
+        """(wδ)² + α²."""
+        return (w * self.roughness) ** 2 + self.angular_radius**2
+
+    @property
+    def narrowest(self) -> float:
+        """Deviation of the narrowest lobe that the grid is to resolve."""
+        return float(np.sqrt(WAVELENGTH_MIN**2 * self.window + self.variance(RESOLVED_W)))
+
+    @property
+    def margin(self) -> float:
+        """Five deviations of the widest lobe: it is 4e-6 of its peak there."""
+        widest = WAVELENGTH_MAX**2 * self.window + self.variance(DIRECTION_MAX)
+        return 5 * float(np.sqrt(widest))
+
+    def grid_step(self, error: float) -> float:
+        """Δ of the grid: what of the narrowest lobe lies beyond its Nyquist frequency is the error.
+
+        A Gaussian's spectrum has fallen there to exp(−½π²τ²/Δ²).
+        """
+        return float(np.pi * self.narrowest / np.sqrt(2 * np.log(1 / error)))
+
+
+@dataclass(frozen=True)
+class _Spectrum:
+    """|P|²/A as powers on a lattice of spatial frequencies, over p = w/λ.
+
+    Attributes:
+        fx, fy: Spatial frequencies, 1/µm.
+        nodes: Chebyshev nodes of p, 1/µm.
+        powers: Shape (nodes, fy, fx).
+        rest: Variance of what powers are still to be convolved with before any blur, 1/µm²: W for
+            lines, 0 or less for samples that the window, and more, has smoothed already.
+    """
+
+    fx: Array
+    fy: Array
+    nodes: Array
+    powers: Singles
+    rest: float
+
+    def at(self, p: Array) -> Singles:
+        """Powers at p, shape (len(p), fy, fx)."""
+        return np.tensordot(_interpolation(self.nodes, p).astype(np.float32), self.powers, 1)
+
+    def reach(self, share: float) -> Array:
+        """Largest |u| and |v| of lines: beyond, at any p, is no more than that share of power."""
+        total = self.powers.sum(axis=(1, 2), dtype=np.float64)
+        result = []
+        for f, axis in ((self.fx, 1), (self.fy, 2)):
+            profile = self.powers.sum(axis=axis, dtype=np.float64)
+            order = np.argsort(-np.abs(f), kind="stable")
+            beyond = np.cumsum(profile[:, order], axis=1) > share * np.abs(total[:, None])
+            first = np.argmax(beyond.any(axis=0))
+            result.append(WAVELENGTH_MAX * np.abs(f[order[first]]))
+        return np.array(result)
+
+    def within(self, reach: Array) -> _Spectrum:
+        """The frequencies up to (|f_x|, |f_y|) = `reach`."""
+        x, y = np.abs(self.fx) <= reach[0], np.abs(self.fy) <= reach[1]
+        powers = np.ascontiguousarray(self.powers[:, y][:, :, x])
+        return replace(self, fx=self.fx[x], fy=self.fy[y], powers=powers)
+
+
+def _phase_nodes(field: HeightField, error: float) -> int:
+    """Chebyshev nodes for |A|² over the whole range of w/λ, or of w at one wavelength."""
+    return 1 + terms_needed("jacobi-anger", 2 * np.pi * field.amplitude * 2 / WAVELENGTH_MIN, error)
+
+
+def _spectrum(field: HeightField, blur: _Blur, step: float) -> _Spectrum:
+    """Powers of all visible frequencies but order 0.
+
+    Args:
+        field: The relief.
+        blur: What widens lines.
+        step: Of the grid in (u, v), which need not be told apart from less.
+    """
+    overlap = np.exp(-((np.pi * blur.coherence / np.array(field.period)) ** 2))
+    reach = (DIRECTION_MAX + blur.margin) / WAVELENGTH_MIN
+    nodes = _chebyshev_nodes(0, 2 / WAVELENGTH_MIN, _phase_nodes(field, SPECTRUM_ERROR))
+    heights = field.amplitude * field.centred
+    phasors = (np.exp(2j * np.pi * p * heights) for p in nodes)
+    if overlap.max() < APART:
+        return _spectrum_of_lines(field, blur, reach, nodes, phasors)
+    return _spectrum_of_window(field, blur, reach, nodes, phasors, step)
+
+
+def _spectrum_of_lines(
+    field: HeightField, blur: _Blur, reach: float, nodes: Array, phasors: Iterator[ComplexArray]
+) -> _Spectrum:
+    """|A_jl|² of a patch so short that its lines do not interfere."""
+    take, frequencies = [], []
+    for period, size in zip(field.period, field.heights.shape[::-1], strict=True):
+        last = min(int(reach * period), (size - 1) // 2)
+        take.append(np.arange(-last, last + 1))
+        frequencies.append(take[-1] / period)
+    (j, l), (fx, fy) = take, frequencies  # noqa: E741
+    powers = np.empty((len(nodes), len(fy), len(fx)), np.float32)
+    for power, phasor in zip(powers, phasors, strict=True):
+        power[:] = np.abs(scipy.fft.ifft2(phasor, workers=-1)[np.ix_(l, j)]) ** 2
+        power[fy == 0, fx == 0] = 0
+    return _Spectrum(fx, fy, nodes, powers, blur.window)
+
+
+def _spectrum_of_window(
+    field: HeightField,
+    blur: _Blur,
+    reach: float,
+    nodes: Array,
+    phasors: Iterator[ComplexArray],
+    step: float,
+) -> _Spectrum:
+    """|P|²/A, order 0 taken out, times the cell of a lattice over spatial frequency.
+
+    |P|² is as smooth as the window is wide: all of it is in samples 1/L apart where L is beyond the
+    reach of the window's correlation with itself, exp(−L²/4σ²). Half a texel of smoothing makes
+    do with fewer of them.
+    """
+    σ = blur.coherence
+    fine = 1 / (2 * σ * np.sqrt(np.log(1 / APART)))
+    f = fine * np.arange(-int(reach / fine), int(reach / fine) + 1)
+    smooth = SMOOTHING * step / WAVELENGTH_MAX
+    # A row of Gaussians closes its gaps to 2 exp(−2π²V/h²).
+    coarse = smooth * np.pi * np.sqrt(2 / np.log(2 / APART))
+    if coarse <= fine:
+        to, kernel, rest = f, np.eye(len(f)), 0.0
+    else:
+        to = coarse * np.arange(-int(reach / coarse), int(reach / coarse) + 1)
+        distance = (to[:, None] - f) / smooth
+        kernel = np.exp(-(distance**2) / 2) * (coarse / smooth / np.sqrt(2 * np.pi))
+        rest = -(smooth**2)
+    (x, along_x), (y, along_y) = (
+        _window_transform(f, period, size, σ)
+        for period, size in zip(field.period, field.heights.shape[::-1], strict=True)
+    )
+    to_power = (field.pitch[0] * field.pitch[1] * fine) ** 2 / (np.pi * σ**2)
+    window = (
+        4 * np.pi * (σ * fine) ** 2 * np.exp(-((2 * np.pi * σ) ** 2) * (f[:, None] ** 2 + f**2))
+    )
+    powers = np.empty((len(nodes), len(kernel), len(kernel)), np.float32)
+    for power, phasor in zip(powers, phasors, strict=True):
+        amplitude = along_y @ phasor[np.ix_(y, x)].astype(np.complex64) @ along_x.T
+        density = to_power * np.abs(amplitude) ** 2 - np.abs(phasor.mean()) ** 2 * window
+        power[:] = kernel @ density @ kernel.T
+    return _Spectrum(to, to, nodes, powers, rest)
+
+
+def _window_transform(
+    frequencies: Array, period: float, size: int, coherence: float
+) -> tuple[Index, ComplexArray]:
+    """Along one axis, the matrix from samples of a period to the windowed surface's spectrum.
+
+    The window exp(−x²/2σ²) stands on the first sample; the period repeats beneath it.
+
+    Returns:
+        Which samples it sees, and Σ_n exp(−x²/2σ²) exp(2πifx) at x + nT, (frequencies, samples).
+    """
+    x = np.arange(size) * period / size
+    result = np.zeros((len(frequencies), size), np.complex128)
+    folds = int(np.ceil(WINDOW_REACH * coherence / period))
+    for n in range(-folds, folds):
+        at = x + n * period
+        seen = np.abs(at) < WINDOW_REACH * coherence
+        phase = 2j * np.pi * frequencies[:, None] * at[seen]
+        result[:, seen] += np.exp(phase - at[seen] ** 2 / (2 * coherence**2))
+    samples = np.flatnonzero(result.any(axis=0))
+    return samples, result[:, samples].astype(np.complex64)
+
+
+def _grid_axes(reach: Array, step: float, blur: _Blur, file: Path) -> tuple[Axis, Axis]:
+    """The axes of u and v, or a refusal of so large a grid."""
+    axes = []
+    for symbol, name, half in zip("uv", ("along x", "along y"), reach.tolist(), strict=True):
+        size = int(np.ceil(2 * half / step)) + 1
+        if size > LARGEST_GRID:
+            resolved = blur.narrowest * size / LARGEST_GRID
+            rest = resolved**2 - WAVELENGTH_MIN**2 * blur.window - blur.angular_radius**2
+            least = np.ceil(1e4 * np.sqrt(rest) / RESOLVED_W) / 1e4
+            expected = (
+                f"at least {least:.4f} rad, or lines are too sharp for a table of {LARGEST_GRID} "
+                "texels along each axis; jacobi-anger serves sharp surfaces"
+            )
+            raise InputError(file, "roughness", blur.roughness, expected)
+        axes.append(
+            Axis(
+                name=f"sum of both directions {name}",
+                symbol=symbol,
+                unit="1",
+                size=size,
+                first=-half,
+                last=half,
+            )
+        )
+    u, v = axes
+    return u, v
+
+
+@dataclass(frozen=True)
+class _ColourSum:
+    """I(u, v, w) as B-splines over (u, v).
+
+    Attributes:
+        spectrum: Powers of the visible frequencies.
+        blur: What gives them their width in (u, v).
+        axes: Of u and v.
+        weights: W·R·1 nm on `WAVELENGTHS`, shape (401, 3).
+    """
+
+    spectrum: _Spectrum
+    blur: _Blur
+    axes: tuple[Axis, Axis]
+    weights: Array
+
+    def at(self, w: float) -> Singles:
+        """Coefficients of one slice, shape (3, v, u)."""
+        u, v = self.axes
+        least = (1e-2 * (u.last - u.first) / u.size) ** 2
+        result = np.zeros((3, v.size, u.size), np.float32)
+        wavelengths = self._wavelengths(w)
+        hats = _hats(wavelengths) @ self.weights
+        for some in np.array_split(np.arange(len(wavelengths)), len(wavelengths) // 16 + 1):
+            powers = self.spectrum.at(w / wavelengths[some])
+            for λ, colour, power in zip(wavelengths[some], hats[some], powers, strict=True):
+                variance = λ**2 * self.spectrum.rest + self.blur.variance(w)
+                τ = float(np.sqrt(max(variance, least)))
+                along_u = gaussian_moments(λ * self.spectrum.fx, τ, u).astype(np.float32)
+                along_v = gaussian_moments(λ * self.spectrum.fy, τ, v).astype(np.float32)
+                pattern = along_v.T @ (power @ along_u)
+                result += colour.astype(np.float32)[:, None, None] * pattern
+        return coefficients(coefficients(result.astype(np.float64), 1), 2).astype(np.float32)
+
+    def _wavelengths(self, w: float) -> Array:
+        """Wavelengths of the sum: a line moves by less than its lobe, or a texel, in between."""
+        u, v = self.axes
+        texel = (u.last - u.first) / (u.size - 1)
+        lobe = np.sqrt(WAVELENGTH_MIN**2 * self.blur.window + self.blur.variance(w))
+        farthest = min(np.hypot(u.last, v.last), np.sqrt(DIRECTION_MAX**2 - w**2))
+        step = WAVELENGTH_REACH * max(lobe, texel) * WAVELENGTH_MIN / max(farthest, 1e-3)
+        step = np.clip(step, WAVELENGTH_STEP, COARSEST_WAVELENGTH_STEP)
+        count = int(np.ceil((WAVELENGTH_MAX - WAVELENGTH_MIN) / step - 1e-9)) + 1
+        return np.linspace(WAVELENGTH_MIN, WAVELENGTH_MAX, count)
+
+
+def _illuminant(recipe: HeightFieldRecipe, file: Path) -> str:
+    light = recipe.illuminant
+    return str(file.parent / light) if light.endswith(".csv") else light
+
+
+def _weights(recipe: HeightFieldRecipe, file: Path) -> Array:
+    """W·R·1 nm, shape (401, 3)."""
+    weights = colour_weights(OBSERVER, _illuminant(recipe, file)) * WAVELENGTH_STEP
+    if recipe.metal is None:
+        return weights
+    return weights * metal_reflectance(recipe.metal)[:, None]
+
+
+def _hats(wavelengths: Array) -> Array:
+    """Shares of each of `WAVELENGTHS` in its two neighbours, shape (len(wavelengths), 401)."""
+    step = wavelengths[1] - wavelengths[0]
+    return np.maximum(1 - np.abs(wavelengths[:, None] - WAVELENGTHS) / step, 0)
+
+
+def _chebyshev_nodes(first: float, last: float, count: int) -> Array:
+    x = -np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    return first + (last - first) * (x + 1) / 2
+
+
+def _interpolation(nodes: Array, to: Array) -> Array:
+    """What multiplies values at Chebyshev nodes, shape (len(to), len(nodes))."""
+    count = len(nodes)
+    middle = (nodes[0] + nodes[-1]) / 2
+    half = (nodes[-1] - nodes[0]) / 2 / np.cos(np.pi / (2 * count))
+    at_nodes, at = (chebyshev.chebvander((x - middle) / half, count - 1) for x in (nodes, to))
+    # From values at the nodes to coefficients of T_n, by discrete orthogonality.
+    at_nodes *= np.where(np.arange(count) == 0, 1, 2) / count
+    return at @ at_nodes.T
+
+
+def _low_rank(slices: Singles, nodes: Array, u: Axis, v: Axis, error: float) -> tuple[Array, Array]:
+    """As few products as keep what is seen within an error, by singular values.
+
+    The singular values are those of I √w in the mean square, about what best serves light and views
+    from everywhere: radiance is I/w² times what depends on (u, v), and w is seldom small.
+
+    Args:
+        slices: I/w at Chebyshev nodes of w, shape (nodes, 3, v, u).
+        nodes: w.
+        u: Axis of the slices.
+        v: Likewise.
+        error: Relative, of the radiance in the mean square over all light and views.
+
+    Returns:
+        ψ/w at the nodes, shape (nodes, modes), and B, shape (modes, 3, v, u).
+    """
+    # Nodes are dense at both ends: each stands for a step √(1 − x²) of w.
+    scale = (1 - (2 * nodes / DIRECTION_MAX - 1) ** 2) ** 0.25 * nodes**1.5
+    rows = scale[:, None] * slices.reshape(len(nodes), -1)
+    gram = np.zeros((len(nodes), len(nodes)))
+    for part in np.array_split(rows, 64, axis=1):
+        gram += part @ part.T
+    vectors = np.linalg.eigh(gram)[1][:, ::-1]
+    ψ = vectors / scale[:, None]
+    ψ *= np.sign(ψ[np.argmax(np.abs(ψ), axis=0), np.arange(len(nodes))])
+
+    # At texels next to directions as they are met: ψ of all modes, and the slices there.
+    seen, weight = _seen_directions()
+    row, column = (
+        np.clip(np.rint(axis.texel_from_parameter(x)).astype(int), 0, axis.size - 1)
+        for axis, x in ((v, seen[1]), (u, seen[0]))
+    )
+    there = slices[:, :, row, column]
+    over_w = _interpolation(nodes, seen[2]) * weight[:, None]
+    exact = np.einsum("nk,kcn->nc", over_w, there)
+    left = exact.copy()
+    count = 0
+    while np.sum(left**2) > error**2 * np.sum(exact**2) or count % 4 == 3 or count == 0:
+        mode = np.einsum("k,kcn->nc", ψ[:, count] * scale**2, there)
+        left -= (over_w @ ψ[:, count])[:, None] * mode
+        count += 1
+    modes = (ψ[:, :count] * scale[:, None] ** 2).T @ slices.reshape(len(nodes), -1)
+    return ψ[:, :count], modes.reshape(count, *slices.shape[1:])
+
+
+def _seen_directions() -> tuple[Array, Array]:
+    """(u, v, w) of light and view both distributed as the cosine, and what multiplies I/w there.
+
+    That is f_r cosθ_i cosθ_o: (1 + ω_i·ω_o)²/w² of I.
+
+    Returns:
+        Shape (3, n) and (n,).
+    """
+    wi, wo = cosine_directions(4096, 0), cosine_directions(4096, 1)
+    uvw = (wi + wo).T
+    return uvw, (1 + np.sum(wi * wo, axis=1)) ** 2 / uvw[2]
+
+
+def cosine_directions(count: int, seed: int) -> Array:
+    """Random unit vectors, (count, 3), as dense as their cosine: uniform over the disc below."""
+    radius, turn = np.random.default_rng(seed).random((2, count))
+    x, y = np.sqrt(radius) * np.stack([np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)])
+    return np.stack([x, y, np.sqrt(1 - radius)], axis=-1)
+
+
+def _packed_modes(modes: Array, u: Axis, v: Axis) -> Table:
+    """Groups of four modes in three layers each."""
+    layers = []
+    for group in np.split(modes, range(4, len(modes), 4)):
+        fourth = group[3] if len(group) == 4 else np.zeros_like(group[0])
+        layers += [np.concatenate([mode, fourth[c : c + 1]]) for c, mode in enumerate(group[:3])]
+    layer = Axis(
+        name="layer", symbol="i", unit="1", size=len(layers), first=0, last=len(layers) - 1
+    )
+    values = np.moveaxis(np.stack(layers), 1, -1)
+    return Table(values, (layer, v, u), ("X", "Y", "Z", "X, Y or Z of the fourth mode"))
+
+
+def _packed_weights(ψ: Array, w: Axis) -> Table:
+    """Four modes to a texel."""
+    groups = -(-ψ.shape[1] // 4)
+    values = np.zeros((w.size, 4 * groups))
+    values[:, : ψ.shape[1]] = ψ
+    group = Axis(name="group of modes", symbol="g", unit="1", size=groups, first=0, last=groups - 1)
+    channels = tuple(f"psi_{i}" for i in range(4))
+    return Table(
+        np.moveaxis(values.reshape(w.size, groups, 4), 1, 0), (group, w), channels, "float32"
+    )
+
+
+def _coherent(field: HeightField) -> Table:
+    """η_0(p) = |mean of exp(2πiph)|², the share of order 0."""
+    last = DIRECTION_MAX / WAVELENGTH_MIN
+    count = int(np.ceil(4 * np.pi * field.amplitude * last / COHERENT_STEP)) + 2
+    row = Axis(name="row", symbol="i", unit="1", size=1, first=0, last=0)
+    p = Axis(name="w over wavelength", symbol="p", unit="1/um", size=count, first=0, last=last)
+    nodes = _chebyshev_nodes(0, last, _phase_nodes(field, SPECTRUM_ERROR))
+    means = np.array(
+        [np.mean(np.exp(2j * np.pi * q * field.centred * field.amplitude)) for q in nodes]
+    )
+    values = np.abs(_interpolation(nodes, p.parameters()) @ means) ** 2
+    return Table(values[None, :, None], (row, p), ("eta_0",), "float32")
+
+
+def _error(
+    baked: Map, field: HeightField, recipe: HeightFieldRecipe, file: Path
+) -> dict[str, float | str]:
+    """The stored tables against the reference, in directions that do not see order 0."""
+    optics = HeightFieldOptics(
+        metal=recipe.metal, coherence=recipe.coherence, roughness=recipe.roughness
+    )
+    # The angle's default, 0, is not among the values that may be given.
+    light = Light(illuminant=_illuminant(recipe, file)).model_copy(
+        update={"angular_radius": recipe.angular_radius}
+    )
+    lookup = BakedLookup(baked)
+    wi, wo = cosine_directions(1000, 2), cosine_directions(1000, 3)
+    apart = lookup.order_0_exponent(*(wi + wo).T) > EXPONENT_CUT
+    wi, wo = wi[apart][:ERROR_DIRECTIONS], wo[apart][:ERROR_DIRECTIONS]
+    cosines = (wi[:, 2] * wo[:, 2])[:, None]
+    found, exact = (
+        cosines * f
+        for f in (lookup.colour_brdf(wi, wo, light), colour_brdf(field, optics, wi, wo, light))
+    )
+    return {
+        "relative_rms": float(np.sqrt(np.sum((found - exact) ** 2) / np.sum(exact**2))),
+        "against": f"the reference, light and view in {len(wi)} pairs of random directions",
+    }

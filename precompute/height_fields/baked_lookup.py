@@ -1,0 +1,136 @@
+"""The baked colour of a height field in numpy: what the shader computes, from the same tables.
+
+With (u, v, w) = ω_i + ω_o, g = 1 + ω_i·ω_o and C(λ) = λ²/(8π²σ²) + (wδ)² + α²,
+
+    f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · (Σ_r ψ_r(w) B_r(u, v)
+          + Σ_n xyz_n R(λ_n) η_0(w/λ_n) exp(−(u² + v²)/2C(λ_n))/(2π C(λ_n)))
+
+in XYZ; n are the bands of the spectrum that wide lobes are summed over, and their sum, order 0, is
+seen in the highlight alone.
+"""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from precompute.closed_form import Node, weighted_nodes
+from precompute.errors import InputError
+from precompute.gratings import Light
+from precompute.height_fields.recipe import HeightFieldRecipe
+from precompute.height_fields.splines import evaluated
+from precompute.lobes import EXPONENT_CUT, lobes_map
+from precompute.maps import Map, Table
+from precompute.recipes import LobesRecipe
+from precompute.spectra import WAVELENGTH_MAX, Observer, metal_reflectance, xyz_to_linear_srgb
+
+Array = NDArray[np.float64]
+
+OBSERVER: Observer = "1931-2"
+"""Whose colours are baked."""
+
+FLOOR = 1e-6
+"""Of cosθ_i cosθ_o w², as in the shaders' Kirchhoff factor."""
+
+
+class BakedLookup:
+    """A height field whose colour is looked up in its baked map.
+
+    Args:
+        baked: The map of kind ``height-field-baked``, as baked or as read.
+    """
+
+    def __init__(self, baked: Map) -> None:
+        stored = {key: _as_stored(table) for key, table in baked.tables.items()}
+        self.modes, self.weights = stored["modes"], stored["weights"]
+        self.coherent = stored["coherent"]
+        self.recipe = HeightFieldRecipe.model_validate(baked.recipe)
+        self.window = 1 / (8 * np.pi**2 * self.recipe.coherence**2)
+
+    def colour_brdf(self, wi: Array, wo: Array, light: Light) -> Array:
+        """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3).
+
+        The light's spectrum is baked in, so that a tint multiplies the colour in linear sRGB: exact
+        for greys.
+
+        Raises:
+            InputError: The map was baked for another light or observer.
+        """
+        self._check(light)
+        result = np.zeros((len(wi), 3))
+        rows = np.flatnonzero((wi[:, 2] > 0) & (wo[:, 2] > 0))
+        i, o = wi[rows], wo[rows]
+        u, v, w = (i + o).T
+        g = 1 + np.sum(i * o, axis=1)
+        factor = g**2 / np.maximum(i[:, 2] * o[:, 2] * w**2, FLOOR)
+        xyz = self.pattern(u, v, w) + self.order_0(u, v, w, light.illuminant)
+        to_rgb = xyz_to_linear_srgb(OBSERVER, light.illuminant)
+        tint = np.linalg.solve(to_rgb, np.diag(light.tint) @ to_rgb)
+        result[rows] = factor[:, None] * (xyz @ tint.T)
+        return result
+
+    def pattern(self, u: Array, v: Array, w: Array) -> Array:
+        """I(u, v, w) without order 0, XYZ, shape (n, 3).
+
+        A shader reads each layer's splines by four bilinear lookups.
+        """
+        _, v_axis, u_axis = self.modes.axes
+        at = v_axis.texel_from_parameter(v), u_axis.texel_from_parameter(u)
+        result = np.zeros((len(u), 3))
+        for number, layer in enumerate(self.modes.values):
+            group, colour = divmod(number, 3)
+            ψ = self.weights.sample(np.full(len(w), float(group)), w)
+            texel = np.stack([evaluated(channel, *at) for channel in np.moveaxis(layer, -1, 0)])
+            result += (ψ[:, colour] * texel[:3]).T
+            # The last channels of a group's layers are X, Y, Z of its fourth mode.
+            result[:, colour] += ψ[:, 3] * texel[3]
+        return result
+
+    def order_0(self, u: Array, v: Array, w: Array, illuminant: str) -> Array:
+        """The coherent mean, XYZ, shape (n, 3); zero where `order_0_exponent` is beyond the cut."""
+        result = np.zeros((len(w), 3))
+        rows = np.flatnonzero(self.order_0_exponent(u, v, w) < EXPONENT_CUT)
+        d2, w = (u**2 + v**2)[rows], w[rows]
+        for node in _nodes(illuminant):
+            λ = node.wavelength
+            variance = self._variance(w, λ)
+            η = self.coherent.sample(np.zeros_like(w), w / λ)[..., 0]
+            if self.recipe.metal is not None:
+                η = η * metal_reflectance(self.recipe.metal, λ)
+            density = np.exp(-d2 / (2 * variance)) / (2 * np.pi * variance)
+            result[rows] += (η * density)[:, None] * node.xyz
+        return result
+
+    def order_0_exponent(self, u: Array, v: Array, w: Array) -> Array:
+        """(u² + v²)/2C at the longest wavelength, where order 0 is widest."""
+        return (u**2 + v**2) / (2 * self._variance(w, WAVELENGTH_MAX))
+
+    def _variance(self, w: Array, wavelength: float) -> Array:
+        """C(λ)."""
+        tilt = (w * self.recipe.roughness) ** 2
+        return wavelength**2 * self.window + tilt + self.recipe.angular_radius**2
+
+    def _check(self, light: Light) -> None:
+        recipe = self.recipe
+        asked = {
+            "illuminant": (Path(light.illuminant).name, Path(recipe.illuminant).name),
+            "angular_radius": (light.angular_radius, recipe.angular_radius),
+            "observer": (light.observer, OBSERVER),
+        }
+        for name, (found, baked) in asked.items():
+            if found != baked:
+                raise InputError("light", name, found, f"{baked}, which is baked in")
+
+
+def _as_stored(table: Table) -> Table:
+    values = table.values.astype(table.dtype).astype(np.float64)
+    return Table(values, table.axes, table.channels, table.dtype)
+
+
+@functools.lru_cache(maxsize=8)
+def _nodes(illuminant: str) -> list[Node]:
+    recipe = LobesRecipe.model_construct(kind="lobes", illuminant=illuminant, observer=OBSERVER)
+    return weighted_nodes(lobes_map(recipe, Path()).tables["weights"], np.ones(3))
