@@ -1,9 +1,11 @@
 import type { Feature } from '../web'
-import { DiffractionError } from '../web'
+import { DiffractionError, HeightField } from '../web'
 import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
 import { Flash } from './light/flash'
 import { Surroundings } from './light/surroundings'
 import { loadSubject, SUBJECTS, type SubjectName } from './subjects'
+import { adjust } from './subjects/adjust'
+import { bakedMethods, FIELDS, type FieldName } from './subjects/fields'
 import { FOIL_MAP, loadFoil } from './subjects/foil-card'
 import type { Subject } from './subjects/subject'
 import { Banner } from './ui/banner'
@@ -92,17 +94,25 @@ export class Demo {
   async showFoil(url: string): Promise<void> {
     await this.#load('the foil', async () => {
       const foil = await loadFoil(url)
-      const card = await loadSubject('foil')
-      card.material.surface = foil
-      try {
-        await card.material.ready
-      } catch (error) {
-        card.material.surface = card.surface
-        throw error
-      }
-      card.surface = foil
+      await this.#cover(await loadSubject('foil'), foil)
       this.#foilUrl = url
-      this.banner.hide()
+    })
+    this.onChanged()
+  }
+
+  /** Gives the object on show another height field, unless its maps are broken. */
+  async showField(field: FieldName): Promise<void> {
+    const { subject } = this
+    const { surface, material } = subject
+    if (!(surface instanceof HeightField)) return
+    const { orientation, strength, ior } = surface
+    await this.#load(FIELDS[field], async () => {
+      const other = new HeightField({ field, orientation, strength, ior })
+      const methods = bakedMethods(other)
+      // A baked pattern has the reflectance in it, of this field or of another.
+      if (material.method === 'baked' || !methods.includes(material.method))
+        material.method = methods[0]!
+      await this.#cover(subject, other)
     })
     this.onChanged()
   }
@@ -111,12 +121,31 @@ export class Demo {
     return this.subject.material.explain()
   }
 
+  async #cover(subject: Subject, surface: Subject['surface']): Promise<void> {
+    const { material } = subject
+    material.surface = surface
+    try {
+      await material.ready
+    } catch (error) {
+      // Another one may have been chosen by then.
+      if (material.surface === surface) material.surface = subject.surface
+      throw error
+    }
+    subject.surface = surface
+    this.banner.hide()
+  }
+
   #take(subject: Subject): void {
     const before = this.#subject
     if (before !== null) {
       this.viewer.scene.remove(before.object)
       const { metal, illuminant, method, coherence } = before.material
-      Object.assign(subject.material, { metal, illuminant, method, coherence })
+      const isDielectric = subject.surface instanceof HeightField && subject.surface.ior !== null
+      adjust(subject.material, { illuminant, coherence, ...(!isDielectric && { metal }) })
+      // Each surface has methods of its own, and a baked pattern goes with settings of its own.
+      const isOffered = bakedMethods(subject.surface).includes(method)
+      if (isOffered && method !== 'baked' && subject.material.method !== 'baked')
+        subject.material.method = method
     }
     this.#subject = subject
     subject.material.onError = (error) => {
@@ -126,6 +155,8 @@ export class Demo {
     this.tilt.hold(subject.object, subject.tilt)
     this.flash.azimuth = subject.flash.azimuth
     this.flash.height = subject.flash.height
+    this.flash.intensity = subject.light?.flash ?? 2
+    this.viewer.exposure = subject.light?.exposure ?? 0
     this.viewer.fit(subject.aspect)
     this.viewer.camera.position.set(...subject.camera)
     this.viewer.orbit.update()

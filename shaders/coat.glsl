@@ -1,6 +1,7 @@
 // A clear lacquer over the surface: dielectric, thin, without absorption.
-#ifdef COAT
 #include "fresnel.glsl"
+
+#ifdef COAT
 
 uniform float uCoat;           // share of the surface it covers, 0 to 1
 uniform float uCoatIor;        // refractive index, above 1

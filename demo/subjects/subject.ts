@@ -1,5 +1,5 @@
 import type { Object3D } from 'three'
-import type { DiffractionMaterial, Foil, Grating } from '../../web'
+import type { DiffractionMaterial, Foil, Grating, HeightField } from '../../web'
 import type { FlashPlace } from '../light/flash'
 
 /** One thing to look at, and how it is first seen. */
@@ -8,7 +8,8 @@ export interface Subject {
   caption: string
   object: Object3D
   material: DiffractionMaterial
-  surface: Foil | Grating
+  /** The last surface that could be shown. */
+  surface: Foil | Grating | HeightField
   /** Where the camera stands at first. */
   camera: [number, number, number]
   /** Width over height of what is to stay in view. */
@@ -16,6 +17,8 @@ export interface Subject {
   /** The object's first turn about x and y, rad. */
   tilt: [number, number]
   flash: FlashPlace
+  /** Flash and exposure for what reflects less than metal: radiant intensity in the scene's units, EV. */
+  light?: { flash: number; exposure: number }
   /** How the shape can be bent, where it can. */
   bend?: { get: () => number; set: (radians: number) => void }
 }

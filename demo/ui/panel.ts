@@ -1,11 +1,15 @@
 import { MathUtils } from 'three'
-import { Grating } from '../../web'
+import { Foil, Grating, HeightField, type Method } from '../../web'
 import type { Demo } from '../demo'
+import { adjust } from '../subjects/adjust'
 import { ENVIRONMENTS } from '../light/environments'
-import { choice } from './choice'
+import { bakedMethods, FIELDS, type FieldName } from '../subjects/fields'
+import type { Subject } from '../subjects/subject'
+import { choice, type ChoiceOptions } from './choice'
 import type { Control } from './control'
 import { make } from './elements'
 import { foilField } from './foil-field'
+import { property } from './property'
 import { slider, type SliderOptions } from './slider'
 
 const METALS = { aluminium: 'Aluminium', silver: 'Silver', gold: 'Gold', copper: 'Copper' } as const
@@ -29,10 +33,14 @@ const ILLUMINANTS = {
   'LED-B5': 'LED B5, 6598 K',
 }
 
-const METHODS = {
+const METHODS: Record<Method, string> = {
   'closed-form': 'Closed form',
   'wavelength-loop': 'Loop over wavelengths',
-} as const
+  'line-sum': 'Line sum',
+  'jacobi-anger': 'Jacobi–Anger series',
+  taylor: 'Taylor series',
+  baked: 'Baked modes',
+}
 
 const { degToRad, radToDeg } = MathUtils
 
@@ -61,38 +69,54 @@ export class Panel {
 
   #addSurface(): void {
     const { demo } = this
-    const grating = (): Grating | null =>
-      demo.subject.surface instanceof Grating ? demo.subject.surface : null
+    const surface = (): Subject['surface'] => demo.subject.surface
+    const grating = (): Grating | undefined => only(surface(), Grating)
+    const heightField = (): HeightField | undefined => only(surface(), HeightField)
+    const profiled = (): Grating | Foil | undefined => grating() ?? only(surface(), Foil)
+    /** Circles have no direction, and a foil's map states its own. */
+    const directed = (): Grating | HeightField | undefined =>
+      grating()?.tracks === 'circular' ? undefined : (grating() ?? heightField())
+    const dielectric = (): HeightField | undefined =>
+      heightField()?.ior === null ? undefined : heightField()
     this.#group('Surface', true, [
       foilField(demo),
+      this.#choice('Relief', FIELDS, {
+        // The material's: one that is on its way is the one that was chosen.
+        get: () => only(demo.subject.material.surface, HeightField)?.field as FieldName | undefined,
+        set: (value) => void demo.showField(value),
+      }),
       this.#slider({
         label: 'Period',
         unit: 'µm',
         ...{ min: 0.4, max: 6, step: 0.01 },
-        get: () => grating()?.period,
-        set: (value) => {
-          const surface = grating()
-          if (surface !== null) surface.period = value
-        },
+        ...property(grating, 'period'),
       }),
       this.#slider({
         label: 'Relief height',
         unit: 'µm',
         ...{ min: 0.01, max: 0.5, step: 0.005 },
-        get: () => demo.subject.surface.height,
-        set: (value) => (demo.subject.surface.height = value),
+        ...property(profiled, 'height'),
       }),
-      this.#choice('Profile', PROFILES, {
-        get: () => demo.subject.surface.profile as keyof typeof PROFILES,
-        set: (value) => (demo.subject.surface.profile = value),
-      }),
+      this.#choice('Profile', PROFILES, property(profiled, 'profile')),
+      this.#degrees('Orientation', -180, 180, 1, property(directed, 'orientation')),
       this.#choice('Metal', METALS, {
-        get: () => demo.subject.material.metal,
-        set: (value) => (demo.subject.material.metal = value),
+        get: () => (dielectric() === undefined ? demo.subject.material.metal : undefined),
+        set: (value) => {
+          adjust(demo.subject.material, { metal: value })
+        },
+      }),
+      this.#slider({
+        label: 'Refractive index',
+        unit: '',
+        ...{ min: 1.05, max: 2.5, step: 0.01 },
+        get: () => dielectric()?.ior ?? undefined,
+        set: property(dielectric, 'ior').set,
       }),
       this.#degrees('Roughness (σ of tilt)', 0, 5, 0.05, {
         get: () => demo.subject.material.roughness,
-        set: (value) => (demo.subject.material.roughness = value),
+        set: (value) => {
+          adjust(demo.subject.material, { roughness: value })
+        },
       }),
       this.#slider({
         label: 'Clear coat',
@@ -171,10 +195,13 @@ export class Panel {
     this.#group('Light and method', false, [
       this.#choice('Illuminant', ILLUMINANTS, {
         get: () => demo.subject.material.illuminant as keyof typeof ILLUMINANTS,
-        set: (value) => (demo.subject.material.illuminant = value),
+        set: (value) => {
+          adjust(demo.subject.material, { illuminant: value })
+        },
       }),
       this.#choice('Method', METHODS, {
-        get: () => demo.subject.material.method as keyof typeof METHODS,
+        offered: () => bakedMethods(demo.subject.surface),
+        get: () => demo.subject.material.method,
         set: (value) => (demo.subject.material.method = value),
       }),
       this.#slider({
@@ -182,7 +209,9 @@ export class Panel {
         unit: 'µm',
         ...{ min: 1, max: 60, step: 0.25 },
         get: () => demo.subject.material.coherence,
-        set: (value) => (demo.subject.material.coherence = value),
+        set: (value) => {
+          adjust(demo.subject.material, { coherence: value })
+        },
       }),
     ])
   }
@@ -202,7 +231,7 @@ export class Panel {
   #choice<T extends string>(
     label: string,
     options: Readonly<Record<T, string>>,
-    value: { get: () => T; set: (value: T) => void },
+    value: Omit<ChoiceOptions<T>, 'label' | 'options'>,
   ): Control {
     return choice({ label, options, ...value }, this.demo.attempt)
   }
@@ -228,4 +257,9 @@ export class Panel {
       },
     })
   }
+}
+
+/** The value, if it is of that class. */
+function only<T>(value: unknown, kind: new (...options: never[]) => T): T | undefined {
+  return value instanceof kind ? value : undefined
 }

@@ -31,6 +31,7 @@ from precompute.axes import Axis
 from precompute.errors import InputError
 from precompute.gratings import Light
 from precompute.height_fields.baked_lookup import OBSERVER, BakedLookup
+from precompute.height_fields.cells import spectrum_cells
 from precompute.height_fields.expansion import terms_needed
 from precompute.height_fields.field import HeightField
 from precompute.height_fields.optics import HeightFieldOptics
@@ -70,7 +71,7 @@ SPECTRUM_ERROR = 1e-8
 """Largest error of |A|² interpolated in w/λ: small, since it starts as w², and is divided by that
 in the end."""
 
-BLUR_NODES = 16
+BLUR_NODES = 8
 """Chebyshev nodes over w beyond those for |A|², for the width of lobes, which changes with w."""
 
 APART = 1e-4
@@ -84,9 +85,9 @@ lobes."""
 WINDOW_REACH = 5.0
 """Deviations beyond which the window's 4e-6 count as zero."""
 
-WAVELENGTH_REACH = 1.2
+WAVELENGTH_REACH = 1.5
 """How far a line may move from one wavelength of the sum to the next, in deviations of its lobe: a
-row of Gaussians so far apart is smooth to 2 exp(−2π²/1.2²) = 2e-6."""
+row of Gaussians so far apart is smooth to 2 exp(−2π²/1.5²) = 3e-4."""
 
 COARSEST_WAVELENGTH_STEP = 0.005
 
@@ -153,6 +154,7 @@ def baked_map(
             "modes": _packed_modes(modes * scale[:, None, None, None], u, v),
             "weights": _packed_weights(ψ / scale, w),
             "coherent": _coherent(field),
+            **spectrum_cells(field).tables(),
         },
         error={},
         recipe=recipe.model_dump(mode="json"),
@@ -193,8 +195,13 @@ class _Blur:
         return _Blur(1 / (8 * np.pi**2 * σ**2), σ, recipe.roughness, recipe.angular_radius)
 
     def variance(self, w: float) -> float:
-        """(wδ)² + α²."""
-        return (w * self.roughness) ** 2 + self.angular_radius**2
+        """(wδ)² + α²(1 + w²/4)/2.
+
+        The source's disc projects onto the surface as α²(1 − tt^T), t = (ω_i)_xy. That is α² along
+        one axis and α² cos²θ_i along the other; here it is their mean, with cosθ_i = w/2.
+        """
+        source = self.angular_radius**2 * (1 + w**2 / 4) / 2
+        return (w * self.roughness) ** 2 + source
 
     @property
     def narrowest(self) -> float:
@@ -252,8 +259,7 @@ class _Spectrum:
     def within(self, reach: Array) -> _Spectrum:
         """The frequencies up to (|f_x|, |f_y|) = `reach`."""
         x, y = np.abs(self.fx) <= reach[0], np.abs(self.fy) <= reach[1]
-        powers = np.ascontiguousarray(self.powers[:, y][:, :, x])
-        return replace(self, fx=self.fx[x], fy=self.fy[y], powers=powers)
+        return replace(self, fx=self.fx[x], fy=self.fy[y], powers=self.powers[:, y][:, :, x])
 
 
 def _phase_nodes(field: HeightField, error: float) -> int:
@@ -283,12 +289,14 @@ def _spectrum_of_lines(
     field: HeightField, blur: _Blur, reach: float, nodes: Array, phasors: Iterator[ComplexArray]
 ) -> _Spectrum:
     """|A_jl|² of a patch so short that its lines do not interfere."""
-    take, frequencies = [], []
-    for period, size in zip(field.period, field.heights.shape[::-1], strict=True):
-        last = min(int(reach * period), (size - 1) // 2)
-        take.append(np.arange(-last, last + 1))
-        frequencies.append(take[-1] / period)
-    (j, l), (fx, fy) = take, frequencies  # noqa: E741
+    j, l = (  # noqa: E741
+        np.arange(-last, last + 1)
+        for last in (
+            min(int(reach * period), (size - 1) // 2)
+            for period, size in zip(field.period, field.heights.shape[::-1], strict=True)
+        )
+    )
+    fx, fy = j / field.period[0], l / field.period[1]
     powers = np.empty((len(nodes), len(fy), len(fx)), np.float32)
     for power, phasor in zip(powers, phasors, strict=True):
         power[:] = np.abs(scipy.fft.ifft2(phasor, workers=-1)[np.ix_(l, j)]) ** 2
@@ -331,11 +339,12 @@ def _spectrum_of_window(
     window = (
         4 * np.pi * (σ * fine) ** 2 * np.exp(-((2 * np.pi * σ) ** 2) * (f[:, None] ** 2 + f**2))
     )
+    kernel = kernel.astype(np.float32)
     powers = np.empty((len(nodes), len(kernel), len(kernel)), np.float32)
     for power, phasor in zip(powers, phasors, strict=True):
         amplitude = along_y @ phasor[np.ix_(y, x)].astype(np.complex64) @ along_x.T
         density = to_power * np.abs(amplitude) ** 2 - np.abs(phasor.mean()) ** 2 * window
-        power[:] = kernel @ density @ kernel.T
+        power[:] = kernel @ density.astype(np.float32) @ kernel.T
     return _Spectrum(to, to, nodes, powers, rest)
 
 
@@ -408,19 +417,20 @@ class _ColourSum:
     def at(self, w: float) -> Singles:
         """Coefficients of one slice, shape (3, v, u)."""
         u, v = self.axes
+        reach = np.array([u.last, v.last]) + self.blur.margin
         least = (1e-2 * (u.last - u.first) / u.size) ** 2
         result = np.zeros((3, v.size, u.size), np.float32)
         wavelengths = self._wavelengths(w)
-        hats = _hats(wavelengths) @ self.weights
+        colours = (_hats(wavelengths) @ self.weights).astype(np.float32)
         for some in np.array_split(np.arange(len(wavelengths)), len(wavelengths) // 16 + 1):
-            powers = self.spectrum.at(w / wavelengths[some])
-            for λ, colour, power in zip(wavelengths[some], hats[some], powers, strict=True):
+            seen = self.spectrum.within(reach / wavelengths[some[0]])
+            powers = seen.at(w / wavelengths[some])
+            for λ, colour, power in zip(wavelengths[some], colours[some], powers, strict=True):
                 variance = λ**2 * self.spectrum.rest + self.blur.variance(w)
                 τ = float(np.sqrt(max(variance, least)))
-                along_u = gaussian_moments(λ * self.spectrum.fx, τ, u).astype(np.float32)
-                along_v = gaussian_moments(λ * self.spectrum.fy, τ, v).astype(np.float32)
-                pattern = along_v.T @ (power @ along_u)
-                result += colour.astype(np.float32)[:, None, None] * pattern
+                along_u = gaussian_moments(λ * seen.fx, τ, u).astype(np.float32)
+                along_v = gaussian_moments(λ * seen.fy, τ, v).astype(np.float32)
+                result += colour[:, None, None] * (along_v.T @ (power @ along_u))
         return coefficients(coefficients(result.astype(np.float64), 1), 2).astype(np.float32)
 
     def _wavelengths(self, w: float) -> Array:
@@ -587,7 +597,7 @@ def _error(
     )
     lookup = BakedLookup(baked)
     wi, wo = cosine_directions(1000, 2), cosine_directions(1000, 3)
-    apart = lookup.order_0_exponent(*(wi + wo).T) > EXPONENT_CUT
+    apart = lookup.order_0_exponent(wi, wo) > EXPONENT_CUT
     wi, wo = wi[apart][:ERROR_DIRECTIONS], wo[apart][:ERROR_DIRECTIONS]
     cosines = (wi[:, 2] * wo[:, 2])[:, None]
     found, exact = (

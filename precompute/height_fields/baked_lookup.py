@@ -1,12 +1,12 @@
 """The baked colour of a height field in numpy: what the shader computes, from the same tables.
 
-With (u, v, w) = ω_i + ω_o, g = 1 + ω_i·ω_o and C(λ) = λ²/(8π²σ²) + (wδ)² + α²,
+With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and g = 1 + ω_i·ω_o,
 
     f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · (Σ_r ψ_r(w) B_r(u, v)
-          + Σ_n xyz_n R(λ_n) η_0(w/λ_n) exp(−(u² + v²)/2C(λ_n))/(2π C(λ_n)))
+                                            + Σ_n xyz_n R(λ_n) η_0(w/λ_n) N(d; C(λ_n)))
 
-in XYZ; n are the bands of the spectrum that wide lobes are summed over, and their sum, order 0, is
-seen in the highlight alone.
+in XYZ. The second sum, over the bands of the spectrum for wide lobes, is order 0, and seen in the
+highlight alone; C is the covariance of docs/theory.md, section 2.
 """
 
 from __future__ import annotations
@@ -66,18 +66,19 @@ class BakedLookup:
         u, v, w = (i + o).T
         g = 1 + np.sum(i * o, axis=1)
         factor = g**2 / np.maximum(i[:, 2] * o[:, 2] * w**2, FLOOR)
-        xyz = self.pattern(u, v, w) + self.order_0(u, v, w, light.illuminant)
+        xyz = self.pattern(u, v, w) + self.order_0(i, o, light.illuminant)
         to_rgb = xyz_to_linear_srgb(OBSERVER, light.illuminant)
         tint = np.linalg.solve(to_rgb, np.diag(light.tint) @ to_rgb)
         result[rows] = factor[:, None] * (xyz @ tint.T)
         return result
 
     def pattern(self, u: Array, v: Array, w: Array) -> Array:
-        """I(u, v, w) without order 0, XYZ, shape (n, 3).
+        """I(u, v, w) without order 0, XYZ, shape (n, 3), zero beyond the table.
 
         A shader reads each layer's splines by four bilinear lookups.
         """
         _, v_axis, u_axis = self.modes.axes
+        inside = (np.abs(u) <= u_axis.last) & (np.abs(v) <= v_axis.last)
         at = v_axis.texel_from_parameter(v), u_axis.texel_from_parameter(u)
         result = np.zeros((len(u), 3))
         for number, layer in enumerate(self.modes.values):
@@ -87,31 +88,37 @@ class BakedLookup:
             result += (ψ[:, colour] * texel[:3]).T
             # The last channels of a group's layers are X, Y, Z of its fourth mode.
             result[:, colour] += ψ[:, 3] * texel[3]
-        return result
+        return np.where(inside[:, None], result, 0)
 
-    def order_0(self, u: Array, v: Array, w: Array, illuminant: str) -> Array:
+    def order_0(self, wi: Array, wo: Array, illuminant: str) -> Array:
         """The coherent mean, XYZ, shape (n, 3); zero where `order_0_exponent` is beyond the cut."""
-        result = np.zeros((len(w), 3))
-        rows = np.flatnonzero(self.order_0_exponent(u, v, w) < EXPONENT_CUT)
-        d2, w = (u**2 + v**2)[rows], w[rows]
+        result = np.zeros((len(wi), 3))
+        rows = np.flatnonzero(self.order_0_exponent(wi, wo) < EXPONENT_CUT)
+        x, y, _ = wi[rows].T
+        u, v, w = (wi + wo)[rows].T
+        tilt, source = (w * self.recipe.roughness) ** 2, self.recipe.angular_radius**2
         for node in _nodes(illuminant):
             λ = node.wavelength
-            variance = self._variance(w, λ)
+            same = λ**2 * self.window + tilt
+            c_uu, c_vv, c_uv = (
+                same + source * (1 - x**2),
+                same + source * (1 - y**2),
+                -source * x * y,
+            )
+            determinant = c_uu * c_vv - c_uv**2
+            exponent = (c_vv * u**2 - 2 * c_uv * u * v + c_uu * v**2) / (2 * determinant)
             η = self.coherent.sample(np.zeros_like(w), w / λ)[..., 0]
             if self.recipe.metal is not None:
                 η = η * metal_reflectance(self.recipe.metal, λ)
-            density = np.exp(-d2 / (2 * variance)) / (2 * np.pi * variance)
-            result[rows] += (η * density)[:, None] * node.xyz
+            density = η * np.exp(-exponent) / (2 * np.pi * np.sqrt(determinant))
+            result[rows] += density[:, None] * node.xyz
         return result
 
-    def order_0_exponent(self, u: Array, v: Array, w: Array) -> Array:
-        """(u² + v²)/2C at the longest wavelength, where order 0 is widest."""
-        return (u**2 + v**2) / (2 * self._variance(w, WAVELENGTH_MAX))
-
-    def _variance(self, w: Array, wavelength: float) -> Array:
-        """C(λ)."""
-        tilt = (w * self.recipe.roughness) ** 2
-        return wavelength**2 * self.window + tilt + self.recipe.angular_radius**2
+    def order_0_exponent(self, wi: Array, wo: Array) -> Array:
+        """Half of |d|² over the largest variance of order 0: no more than its exponent."""
+        u, v, w = (wi + wo).T
+        tilt, source = (w * self.recipe.roughness) ** 2, self.recipe.angular_radius**2
+        return (u**2 + v**2) / (2 * (WAVELENGTH_MAX**2 * self.window + tilt + source))
 
     def _check(self, light: Light) -> None:
         recipe = self.recipe

@@ -26,6 +26,7 @@ MAPS = ROOT / "maps" / "baked"
 CLOSED: dict[str, Any] = METHOD_OPTIONS["closed-form"]
 LOOP: dict[str, Any] = METHOD_OPTIONS["wavelength-loop"]
 NANOMETRES = LOOP | {"wavelengthStep": 0.001}
+SERIES = {"method": "jacobi-anger", "wavelengthStep": 0.001}
 ARC = LOOP | {"environmentNodes": 401}
 
 # Scene, pixels, method, and the largest errors allowed: relative RMSE of XYZ radiance and 95th
@@ -44,6 +45,13 @@ CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
     "sinusoidal, tinted flash": ("plane-flash-tinted", (96, 96), CLOSED, 0.01, 1),
     "foil, flash": ("foil-near", (96, 96), CLOSED, 0.01, 1),
     "disc, sun": ("disc-sun", (128, 128), CLOSED, 0.01, 1),
+    "bumps, line by line": ("height-field-bumps", (96, 96), {"method": "line-sum"}, 0.01, 1),
+    "bumps, Jacobi–Anger": ("height-field-bumps", (48, 48), SERIES, 0.005, 0.2),
+    "bumps, Taylor": ("height-field-bumps", (48, 48), SERIES | {"method": "taylor"}, 0.005, 0.2),
+    "bumps, baked": ("height-field-bumps-rough", (96, 96), {"method": "baked"}, 0.01, 1),
+    "fingers, sun": ("height-field-fingers-sun", (64, 64), {"method": "line-sum"}, 0.01, 1),
+    # 33 cells stand for 700 lines, whose light the studio's strips cut into narrow stripes.
+    "bumps, environment": ("height-field-bumps-studio", (24, 24), {}, 0.03, 12),
     "environment, 401 nodes": ("environment-studio", (36, 36), ARC, 0.005, 0.5),
 }
 
