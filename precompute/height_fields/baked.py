@@ -7,13 +7,14 @@ a table can hold. With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and s 
 
 of which each line (j, l) is a Gaussian about (u, v) = λ f_jl with the covariance
 
-    C = λ²/(8π²σ²) + (wδ)² + α²
+    C = λ²/(8π²σ²) + (wδ)² + α²(1 + w²/4)/2
 
-along both axes. Order 0, the one line at f = 0, has a closed form and is left out. The rest is
-split over w by singular values, I ≈ Σ_r ψ_r(w) B_r(u, v). B_r are cubic B-splines, which follow a
-lobe on a grid whose step is the lobe's deviation, where straight lines would need less than half of
-it; a shader reads one with four bilinear lookups. Where w is so small that lobes are narrower than
-a step, the closest splines widen them and keep their energy.
+along both axes, the light's disc being foreshortened as it is on average. Order 0, the one line at
+f = 0, has a closed form and is left out. The rest is split over w by singular values, I ≈ Σ_r
+ψ_r(w) B_r(u, v). B_r are cubic B-splines, which follow a lobe on a grid whose step is the lobe's
+deviation, where straight lines would need less than half of it; a shader reads one with four
+bilinear lookups. Where w is so small that lobes are narrower than a step, the closest splines widen
+them and keep their energy.
 """
 
 from __future__ import annotations
@@ -29,16 +30,12 @@ from numpy.typing import NDArray
 
 from precompute.axes import Axis
 from precompute.errors import InputError
-from precompute.gratings import Light
 from precompute.height_fields.baked_lookup import OBSERVER, BakedLookup
 from precompute.height_fields.cells import spectrum_cells
 from precompute.height_fields.expansion import terms_needed
 from precompute.height_fields.field import HeightField
-from precompute.height_fields.optics import HeightFieldOptics
 from precompute.height_fields.recipe import HeightFieldRecipe
-from precompute.height_fields.reference import colour_brdf
 from precompute.height_fields.splines import coefficients, gaussian_moments
-from precompute.lobes import EXPONENT_CUT
 from precompute.maps import Map, Table
 from precompute.spectra import (
     WAVELENGTH_MAX,
@@ -70,6 +67,9 @@ LARGEST_GRID = 512
 SPECTRUM_ERROR = 1e-8
 """Largest error of |A|² interpolated in w/λ: small, since it starts as w², and is divided by that
 in the end."""
+
+SLICE_ERROR = 5e-4
+"""Likewise of slices interpolated in w, which are divided by w first."""
 
 BLUR_NODES = 8
 """Chebyshev nodes over w beyond those for |A|², for the width of lobes, which changes with w."""
@@ -131,9 +131,10 @@ def baked_map(
     spectrum = _spectrum(field, blur, step)
     reach = np.minimum(spectrum.reach(recipe.error) + blur.margin, DIRECTION_MAX)
     u, v = _grid_axes(reach, step, blur, file)
-    sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), _weights(recipe, file))
+    weights = _weights(recipe, file)
+    sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), weights)
 
-    nodes = _chebyshev_nodes(0, DIRECTION_MAX, _phase_nodes(field, SHARE * 1e-4) + BLUR_NODES)
+    nodes = _chebyshev_nodes(0, DIRECTION_MAX, _phase_nodes(field, SLICE_ERROR) + BLUR_NODES)
     slices = np.stack([sums.at(w) / w for w in nodes.tolist()])
     ψ, modes = _low_rank(slices, nodes, u, v, SHARE * recipe.error)
     w = Axis(
@@ -169,7 +170,7 @@ def baked_map(
             "coherence": recipe.coherence,
         },
     )
-    result.error = _error(result, field, recipe, file)
+    result.error = _error(result, spectrum, blur, weights)
     return result
 
 
@@ -240,6 +241,13 @@ class _Spectrum:
     powers: Singles
     rest: float
 
+    def deviation(self, wavelength: float, blur: float) -> float:
+        """τ in (u, v) that powers are yet to be widened by, for a variance of the blur.
+
+        Never less than by which they are smoothed: as much as fills the gaps between them.
+        """
+        return wavelength * float(np.sqrt(max(self.rest + blur / wavelength**2, -self.rest)))
+
     def at(self, p: Array) -> Singles:
         """Powers at p, shape (len(p), fy, fx)."""
         return np.tensordot(_interpolation(self.nodes, p).astype(np.float32), self.powers, 1)
@@ -289,17 +297,18 @@ def _spectrum_of_lines(
     field: HeightField, blur: _Blur, reach: float, nodes: Array, phasors: Iterator[ComplexArray]
 ) -> _Spectrum:
     """|A_jl|² of a patch so short that its lines do not interfere."""
-    j, l = (  # noqa: E741
+    columns, rows = (
         np.arange(-last, last + 1)
         for last in (
             min(int(reach * period), (size - 1) // 2)
             for period, size in zip(field.period, field.heights.shape[::-1], strict=True)
         )
     )
-    fx, fy = j / field.period[0], l / field.period[1]
+    fx, fy = columns / field.period[0], rows / field.period[1]
     powers = np.empty((len(nodes), len(fy), len(fx)), np.float32)
     for power, phasor in zip(powers, phasors, strict=True):
-        power[:] = np.abs(scipy.fft.ifft2(phasor, workers=-1)[np.ix_(l, j)]) ** 2
+        amplitudes = np.asarray(scipy.fft.ifft2(phasor, workers=-1))
+        power[:] = np.abs(amplitudes[np.ix_(rows, columns)]) ** 2
         power[fy == 0, fx == 0] = 0
     return _Spectrum(fx, fy, nodes, powers, blur.window)
 
@@ -376,8 +385,9 @@ def _grid_axes(reach: Array, step: float, blur: _Blur, file: Path) -> tuple[Axis
     for symbol, name, half in zip("uv", ("along x", "along y"), reach.tolist(), strict=True):
         size = int(np.ceil(2 * half / step)) + 1
         if size > LARGEST_GRID:
-            resolved = blur.narrowest * size / LARGEST_GRID
-            rest = resolved**2 - WAVELENGTH_MIN**2 * blur.window - blur.angular_radius**2
+            # That resolves all of the visible range, which is as much as can be asked for.
+            resolved = blur.narrowest / step * 2 * DIRECTION_MAX / (LARGEST_GRID - 2)
+            rest = resolved**2 - blur.narrowest**2 + (RESOLVED_W * blur.roughness) ** 2
             least = np.ceil(1e4 * np.sqrt(rest) / RESOLVED_W) / 1e4
             expected = (
                 f"at least {least:.4f} rad, or lines are too sharp for a table of {LARGEST_GRID} "
@@ -418,16 +428,16 @@ class _ColourSum:
         """Coefficients of one slice, shape (3, v, u)."""
         u, v = self.axes
         reach = np.array([u.last, v.last]) + self.blur.margin
-        least = (1e-2 * (u.last - u.first) / u.size) ** 2
         result = np.zeros((3, v.size, u.size), np.float32)
         wavelengths = self._wavelengths(w)
         colours = (_hats(wavelengths) @ self.weights).astype(np.float32)
         for some in np.array_split(np.arange(len(wavelengths)), len(wavelengths) // 16 + 1):
             seen = self.spectrum.within(reach / wavelengths[some[0]])
             powers = seen.at(w / wavelengths[some])
-            for λ, colour, power in zip(wavelengths[some], colours[some], powers, strict=True):
-                variance = λ**2 * self.spectrum.rest + self.blur.variance(w)
-                τ = float(np.sqrt(max(variance, least)))
+            for λ, colour, power in zip(
+                wavelengths[some].tolist(), colours[some], powers, strict=True
+            ):
+                τ = seen.deviation(λ, self.blur.variance(w))
                 along_u = gaussian_moments(λ * seen.fx, τ, u).astype(np.float32)
                 along_v = gaussian_moments(λ * seen.fy, τ, v).astype(np.float32)
                 result += colour[:, None, None] * (along_v.T @ (power @ along_u))
@@ -517,7 +527,10 @@ def _low_rank(slices: Singles, nodes: Array, u: Axis, v: Axis, error: float) -> 
     exact = np.einsum("nk,kcn->nc", over_w, there)
     left = exact.copy()
     count = 0
-    while np.sum(left**2) > error**2 * np.sum(exact**2) or count % 4 == 3 or count == 0:
+    # The fourth mode of a group takes no more memory.
+    while count < len(nodes) and (
+        count == 0 or count % 4 == 3 or np.sum(left**2) > error**2 * np.sum(exact**2)
+    ):
         mode = np.einsum("k,kcn->nc", ψ[:, count] * scale**2, there)
         left -= (over_w @ ψ[:, count])[:, None] * mode
         count += 1
@@ -584,27 +597,34 @@ def _coherent(field: HeightField) -> Table:
     return Table(values[None, :, None], (row, p), ("eta_0",), "float32")
 
 
-def _error(
-    baked: Map, field: HeightField, recipe: HeightFieldRecipe, file: Path
-) -> dict[str, float | str]:
-    """The stored tables against the reference, in directions that do not see order 0."""
-    optics = HeightFieldOptics(
-        metal=recipe.metal, coherence=recipe.coherence, roughness=recipe.roughness
-    )
-    # The angle's default, 0, is not among the values that may be given.
-    light = Light(illuminant=_illuminant(recipe, file)).model_copy(
-        update={"angular_radius": recipe.angular_radius}
-    )
-    lookup = BakedLookup(baked)
-    wi, wo = cosine_directions(1000, 2), cosine_directions(1000, 3)
-    apart = lookup.order_0_exponent(wi, wo) > EXPONENT_CUT
-    wi, wo = wi[apart][:ERROR_DIRECTIONS], wo[apart][:ERROR_DIRECTIONS]
-    cosines = (wi[:, 2] * wo[:, 2])[:, None]
-    found, exact = (
-        cosines * f
-        for f in (lookup.colour_brdf(wi, wo, light), colour_brdf(field, optics, wi, wo, light))
-    )
+def _error(baked: Map, spectrum: _Spectrum, blur: _Blur, weights: Array) -> dict[str, float | str]:
+    """The stored tables against the sum that they are made from, in random directions."""
+    wi, wo = cosine_directions(ERROR_DIRECTIONS, 2), cosine_directions(ERROR_DIRECTIONS, 3)
+    uvw = wi + wo
+    factor = (1 + np.sum(wi * wo, axis=1, keepdims=True)) ** 2 / uvw[:, 2:] ** 2
+    exact = factor * np.stack([_direct_sum(spectrum, blur, weights, *d) for d in uvw.tolist()])
+    found = factor * BakedLookup(baked).pattern(*uvw.T)
     return {
         "relative_rms": float(np.sqrt(np.sum((found - exact) ** 2) / np.sum(exact**2))),
-        "against": f"the reference, light and view in {len(wi)} pairs of random directions",
+        "against": f"sums over spatial frequencies by 1 nm, {len(uvw)} random lights and views",
     }
+
+
+def _direct_sum(
+    spectrum: _Spectrum, blur: _Blur, weights: Array, u: float, v: float, w: float
+) -> Array:
+    """I(u, v, w), XYZ."""
+    λ = WAVELENGTHS[:, None]
+    τ = np.array([spectrum.deviation(x, blur.variance(w)) for x in WAVELENGTHS.tolist()])[:, None]
+    near_x, near_y = (
+        np.flatnonzero((np.abs(d - λ * f) < 6 * τ).any(axis=0))
+        for d, f in ((u, spectrum.fx), (v, spectrum.fy))
+    )
+    along_x, along_y = (
+        np.exp(-(((d - λ * f) / τ) ** 2) / 2) / (np.sqrt(2 * np.pi) * τ)
+        for d, f in ((u, spectrum.fx[near_x]), (v, spectrum.fy[near_y]))
+    )
+    powers = spectrum.powers[:, near_y[:, None], near_x]
+    over_p = _interpolation(spectrum.nodes, w / WAVELENGTHS)
+    density = np.einsum("pyx,sx,sy,sp->s", powers, along_x, along_y, over_p, optimize=True)
+    return density @ weights
