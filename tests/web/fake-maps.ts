@@ -90,6 +90,61 @@ export function fakeMetals(): FakeMap {
   ])
 }
 
+/** Two cells of a spectrum, as every map of a height field has them. */
+function fakeCells(): FakeArray[] {
+  const count = (length: number): number[] => Array.from({ length }, (_, i) => i / 64)
+  return [
+    {
+      name: 'places',
+      bytes: new Uint8Array(Float32Array.from(count(2 * 4)).buffer),
+      dtype: 'float32',
+      shape: [2, 4],
+      axes: [axis('cell', 2, 'linear', 0, 1)],
+    },
+    {
+      name: 'powers',
+      bytes: new Uint8Array(Float32Array.from(count(2 * 3)).buffer),
+      dtype: 'float32',
+      shape: [2, 3, 1],
+      axes: [axis('cell', 2, 'linear', 0, 1), axis('w/lambda', 3, 'linear', 0, 5.3)],
+    },
+  ]
+}
+
+/** A baked pattern of one mode, for a roughness of 0.02 rad on gold. */
+export function fakeBaked(): FakeMap {
+  const constants = { modes: 1, u_max: 2, v_max: 2, coherent_max: 5.3, angular_radius: 0 }
+  const recipe = { roughness: 0.02, coherence: 16.25, illuminant: 'D65', metal: 'gold' }
+  const arrays: FakeArray[] = [
+    {
+      name: 'modes',
+      bytes: halves(Array.from({ length: 3 * 4 * 4 * 4 }, () => 0.5)),
+      dtype: 'float16',
+      shape: [3, 4, 4, 4],
+      axes: [
+        axis('layer', 3, 'linear', 0, 2),
+        axis('v', 4, 'linear', -2, 2),
+        axis('u', 4, 'linear', -2, 2),
+      ],
+    },
+    {
+      name: 'weights',
+      bytes: new Uint8Array(new Float32Array(8 * 4).buffer),
+      dtype: 'float32',
+      shape: [1, 8, 4],
+      axes: [axis('group', 1, 'linear', 0, 0), axis('w', 8, 'linear', 0, 2)],
+    },
+    {
+      name: 'coherent',
+      bytes: new Uint8Array(new Float32Array(8).buffer),
+      dtype: 'float32',
+      shape: [1, 8, 1],
+      axes: [axis('row', 1, 'linear', 0, 0), axis('w/lambda', 8, 'linear', 0, 5.3)],
+    },
+  ]
+  return makeMap('height-field-baked', constants, [...arrays, ...fakeCells()], recipe)
+}
+
 /** Five terms of a height field with 2 × 3 lines; every number is different. */
 export function fakeTerms(): FakeMap {
   const count = (length: number): number[] => Array.from({ length }, (_, i) => i / 64)
@@ -113,20 +168,7 @@ export function fakeTerms(): FakeMap {
       shape: [5, 4, 1],
       axes: [axis('term', 5, 'linear', 0, 4), axis('x', 4, 'linear', 0, 4)],
     },
-    {
-      name: 'places',
-      bytes: new Uint8Array(Float32Array.from(count(2 * 4)).buffer),
-      dtype: 'float32',
-      shape: [2, 4],
-      axes: [axis('cell', 2, 'linear', 0, 1)],
-    },
-    {
-      name: 'powers',
-      bytes: new Uint8Array(Float32Array.from(count(2 * 3)).buffer),
-      dtype: 'float32',
-      shape: [2, 3, 1],
-      axes: [axis('cell', 2, 'linear', 0, 1), axis('w/lambda', 3, 'linear', 0, 5.3)],
-    },
+    ...fakeCells(),
   ])
 }
 

@@ -3,11 +3,11 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { DiffractionError } from '../../web/errors'
 import { loadMap } from '../../web/maps/load'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
-import { DEFAULT_SETTINGS } from '../../web/materials/options'
+import { DEFAULT_SETTINGS, type DiffractionMaterialOptions } from '../../web/materials/options'
 import { coefficientsTexture, termsTexture } from '../../web/height-field/line-spectrum'
 import { Grating } from '../../web/surfaces/grating'
 import { HeightField } from '../../web/surfaces/height-field'
-import { fakeLobes, fakeMetals, fakeTerms, filesOf, serveFiles } from './fake-maps'
+import { fakeBaked, fakeLobes, fakeMetals, fakeTerms, filesOf, serveFiles } from './fake-maps'
 
 let folder = 0
 let mapsPath = ''
@@ -17,6 +17,7 @@ beforeEach(() => {
   serveFiles(
     filesOf({
       [`${mapsPath}height-field-x-jacobi-anger`]: fakeTerms(),
+      [`${mapsPath}height-field-x-baked`]: fakeBaked(),
       [`${mapsPath}lobes-1931-2-D65`]: fakeLobes(),
       [`${mapsPath}metals`]: fakeMetals(),
     }),
@@ -90,6 +91,50 @@ describe('a material', () => {
     expect(material.method).toBe('closed-form')
     // Both surfaces have it.
     expect(material.energy).toBe('kirchhoff')
+  })
+})
+
+describe('a baked pattern', () => {
+  const baked = { method: 'baked', roughness: 0.02, metal: 'gold' } as const
+  const made = async (
+    options: Partial<DiffractionMaterialOptions>,
+  ): Promise<DiffractionMaterial> => {
+    const surface = new HeightField({ field: 'x' })
+    const material = new DiffractionMaterial({
+      surface,
+      mapsPath,
+      onError: () => undefined,
+      ...baked,
+      ...options,
+    })
+    await material.ready
+    return material
+  }
+
+  it('is shown with the settings that were baked in', async () => {
+    const material = await made({})
+    expect(material.defines.BAKED).toBe('')
+    expect(material.explain()).toContainEqual(
+      expect.objectContaining({ feature: 'baked pattern of 1 modes', included: true }),
+    )
+  })
+
+  it.each([
+    ['roughness', { roughness: 0.01 }],
+    ['metal', { metal: 'silver' }],
+    ['coherence', { coherence: 8 }],
+    ['energy', { energy: 'relative' }],
+  ] as const)('refuses another %s by name', async (field, options) => {
+    await expect(made(options)).rejects.toMatchObject({
+      file: `${mapsPath}height-field-x-baked.json`,
+      field,
+    })
+  })
+
+  it('keeps what it shows when a setting does not fit', async () => {
+    const material = await made({})
+    refuses(() => (material.roughness = 0), `${mapsPath}height-field-x-baked.json`, 'roughness')
+    expect(material.roughness).toBe(0.02)
   })
 })
 
