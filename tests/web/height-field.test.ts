@@ -1,6 +1,5 @@
 import type { DataTexture } from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
-import { DiffractionError } from '../../web/errors'
 import { loadMap } from '../../web/maps/load'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import { DEFAULT_SETTINGS, type DiffractionMaterialOptions } from '../../web/materials/options'
@@ -8,6 +7,7 @@ import { coefficientsTexture, termsTexture } from '../../web/height-field/line-s
 import { Grating } from '../../web/surfaces/grating'
 import { HeightField } from '../../web/surfaces/height-field'
 import { fakeBaked, fakeLobes, fakeMetals, fakeTerms, filesOf, serveFiles } from './fake-maps'
+import { refuses } from './refuses'
 
 let folder = 0
 let mapsPath = ''
@@ -27,17 +27,6 @@ beforeEach(() => {
 afterEach(() => {
   vi.unstubAllGlobals()
 })
-
-function refuses(action: () => unknown, file: string, field: string): void {
-  let caught: unknown
-  try {
-    action()
-  } catch (error) {
-    caught = error
-  }
-  expect(caught).toBeInstanceOf(DiffractionError)
-  expect(caught).toMatchObject({ file, field })
-}
 
 describe('a height field', () => {
   it('refuses values that mean nothing, and keeps the last good ones', () => {

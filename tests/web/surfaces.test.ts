@@ -1,12 +1,12 @@
 import { Vector2 } from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
-import { DiffractionError } from '../../web/errors'
 import { loadMap } from '../../web/maps/load'
 import { DEFAULT_SETTINGS } from '../../web/materials/options'
 import { Foil } from '../../web/surfaces/foil'
 import { Grating } from '../../web/surfaces/grating'
 import { serveBakedMaps } from './baked-maps'
 import { fakeFoil, fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles } from './fake-maps'
+import { refuses } from './refuses'
 
 const options = { period: 1.6, height: 0.12 }
 const notNumbers = [0, -1, NaN, Infinity, '1', undefined]
@@ -14,17 +14,6 @@ const notNumbers = [0, -1, NaN, Infinity, '1', undefined]
 afterEach(() => {
   vi.unstubAllGlobals()
 })
-
-function refuses(action: () => unknown, file: string, field: string): void {
-  let caught: unknown
-  try {
-    action()
-  } catch (error) {
-    caught = error
-  }
-  expect(caught).toBeInstanceOf(DiffractionError)
-  expect(caught).toMatchObject({ file, field })
-}
 
 describe('a grating', () => {
   it.each(notNumbers)('refuses a period or a height of %s', (value) => {
