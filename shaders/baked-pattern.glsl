@@ -73,7 +73,8 @@ vec3 coherentColor(vec3 uvw) {
 
 // What the obliquity multiplies, XYZ. A tint multiplies it in linear sRGB: its spectrum is no longer known.
 vec3 patternColor(vec3 wi, vec3 uvw, LightSpectrum light) {
-	vec3 xyz = modesColor(uvw) + coherentColor(uvw);
+	// Splines ring by some thousandths, which the obliquity blows up where directions graze.
+	vec3 xyz = max(modesColor(uvw) + coherentColor(uvw), 0.0);
 	#ifdef TINTED
 	return inverse(uXyzToRgb) * (light.color * (uXyzToRgb * xyz));
 	#else

@@ -13,8 +13,8 @@ along both axes, the light's disc being foreshortened as it is on average. Order
 f = 0, has a closed form and is left out. The rest is split over w by singular values, I ≈ Σ_r
 ψ_r(w) B_r(u, v). B_r are cubic B-splines, which follow a lobe on a grid whose step is the lobe's
 deviation, where straight lines would need less than half of it; a shader reads one with four
-bilinear lookups. Where w is so small that lobes are narrower than a step, the closest splines widen
-them and keep their energy.
+bilinear lookups. Where w is so small that lobes are narrower than a step, they are widened and keep
+their energy.
 """
 
 from __future__ import annotations
@@ -54,8 +54,9 @@ Singles = NDArray[np.float32]
 DIRECTION_MAX = 2.0
 """Largest |u|, |v| and w: light and view grazing, or both overhead."""
 
-SHARE = 5.0
-"""What modes left out may cost, and what the grid may, each, in units of the recipe's error."""
+SHARE, LARGEST_ERROR = 5.0, 5e-3
+"""What modes left out may cost, and what the grid may, each: so many times the error of the recipe,
+which is of amplitudes, but no more than leaves the whole within 1 %."""
 
 RESOLVED_W = 1.0
 """Least w at which the grid resolves lobes to that: both directions at 60°. Lobes are narrower at
@@ -71,11 +72,17 @@ in the end."""
 SLICE_ERROR = 5e-4
 """Likewise of slices interpolated in w, which are divided by w first."""
 
-BLUR_NODES = 8
+BLUR_NODES = 12
 """Chebyshev nodes over w beyond those for |A|², for the width of lobes, which changes with w."""
+
+REACH_SHARE = 1e-3
+"""Share of the power that may lie beyond the table along an axis."""
 
 APART = 1e-4
 """Two lines, or a window and its repeat, that overlap by less than this do not interfere."""
+
+NARROWEST = 0.85
+"""About the least deviation of a lobe, in texels: narrower ones ring, and reach below zero."""
 
 SMOOTHING = 0.6
 """Deviation, in texels at the longest wavelength, by which a dense spectrum is smoothed so that
@@ -126,17 +133,18 @@ def baked_map(
     Raises:
         InputError: Roughness and light blur too little for the largest grid.
     """
+    error = min(SHARE * recipe.error, LARGEST_ERROR)
     blur = _Blur.of(recipe)
-    step = blur.grid_step(SHARE * recipe.error)
+    step = blur.grid_step(error)
     spectrum = _spectrum(field, blur, step)
-    reach = np.minimum(spectrum.reach(recipe.error) + blur.margin, DIRECTION_MAX)
+    reach = np.minimum(spectrum.reach(REACH_SHARE) + blur.margin, DIRECTION_MAX)
     u, v = _grid_axes(reach, step, blur, file)
     weights = _weights(recipe, file)
     sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), weights)
 
     nodes = _chebyshev_nodes(0, DIRECTION_MAX, _phase_nodes(field, SLICE_ERROR) + BLUR_NODES)
     slices = np.stack([sums.at(w) / w for w in nodes.tolist()])
-    ψ, modes = _low_rank(slices, nodes, u, v, SHARE * recipe.error)
+    ψ, modes = _low_rank(slices, nodes, u, v, error)
     w = Axis(
         name="sum of the cosines",
         symbol="w",
@@ -231,6 +239,7 @@ class _Spectrum:
         fx, fy: Spatial frequencies, 1/µm.
         nodes: Chebyshev nodes of p, 1/µm.
         powers: Shape (nodes, fy, fx).
+        window: W, 1/µm².
         rest: Variance of what powers are still to be convolved with before any blur, 1/µm²: W for
             lines, 0 or less for samples that the window, and more, has smoothed already.
     """
@@ -239,14 +248,25 @@ class _Spectrum:
     fy: Array
     nodes: Array
     powers: Singles
+    window: float
     rest: float
 
-    def deviation(self, wavelength: float, blur: float) -> float:
-        """τ in (u, v) that powers are yet to be widened by, for a variance of the blur.
+    def deviation(self, wavelength: float, blur: float, least: float = 0) -> float:
+        """τ in (u, v) that powers are yet to be widened by.
 
         Never less than by which they are smoothed: as much as fills the gaps between them.
+
+        Args:
+            wavelength: λ, µm.
+            blur: Variance of roughness and light.
+            least: About the least variance that a whole lobe shall have.
         """
-        return wavelength * float(np.sqrt(max(self.rest + blur / wavelength**2, -self.rest)))
+        own = wavelength**2 * self.rest
+        if least > 0:
+            # In place of a maximum, whose kink polynomials over w could not follow: at least 0.6 of
+            # it, and no more than 0.5 % above variances from 1.3 of it on.
+            blur += least * float(np.exp(-4 * (wavelength**2 * self.window + blur) / least))
+        return float(np.sqrt(max(own + blur, -own)))
 
     def at(self, p: Array) -> Singles:
         """Powers at p, shape (len(p), fy, fx)."""
@@ -310,7 +330,7 @@ def _spectrum_of_lines(
         amplitudes = np.asarray(scipy.fft.ifft2(phasor, workers=-1))
         power[:] = np.abs(amplitudes[np.ix_(rows, columns)]) ** 2
         power[fy == 0, fx == 0] = 0
-    return _Spectrum(fx, fy, nodes, powers, blur.window)
+    return _Spectrum(fx, fy, nodes, powers, blur.window, blur.window)
 
 
 def _spectrum_of_window(
@@ -354,7 +374,7 @@ def _spectrum_of_window(
         amplitude = along_y @ phasor[np.ix_(y, x)].astype(np.complex64) @ along_x.T
         density = to_power * np.abs(amplitude) ** 2 - np.abs(phasor.mean()) ** 2 * window
         power[:] = kernel @ density.astype(np.float32) @ kernel.T
-    return _Spectrum(to, to, nodes, powers, rest)
+    return _Spectrum(to, to, nodes, powers, blur.window, rest)
 
 
 def _window_transform(
@@ -427,6 +447,7 @@ class _ColourSum:
     def at(self, w: float) -> Singles:
         """Coefficients of one slice, shape (3, v, u)."""
         u, v = self.axes
+        texel = (u.last - u.first) / (u.size - 1)
         reach = np.array([u.last, v.last]) + self.blur.margin
         result = np.zeros((3, v.size, u.size), np.float32)
         wavelengths = self._wavelengths(w)
@@ -437,7 +458,7 @@ class _ColourSum:
             for λ, colour, power in zip(
                 wavelengths[some].tolist(), colours[some], powers, strict=True
             ):
-                τ = seen.deviation(λ, self.blur.variance(w))
+                τ = seen.deviation(λ, self.blur.variance(w), (NARROWEST * texel) ** 2)
                 along_u = gaussian_moments(λ * seen.fx, τ, u).astype(np.float32)
                 along_v = gaussian_moments(λ * seen.fy, τ, v).astype(np.float32)
                 result += colour[:, None, None] * (along_v.T @ (power @ along_u))
@@ -626,5 +647,5 @@ def _direct_sum(
     )
     powers = spectrum.powers[:, near_y[:, None], near_x]
     over_p = _interpolation(spectrum.nodes, w / WAVELENGTHS)
-    density = np.einsum("pyx,sx,sy,sp->s", powers, along_x, along_y, over_p, optimize=True)
-    return density @ weights
+    over_y = np.einsum("pys,sy->ps", powers @ along_x.T, along_y)
+    return np.sum(over_p * over_y.T, axis=1) @ weights

@@ -2,11 +2,11 @@
 
 With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and g = 1 + ω_i·ω_o,
 
-    f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · (Σ_r ψ_r(w) B_r(u, v)
-                                            + Σ_n xyz_n R(λ_n) η_0(w/λ_n) N(d; C(λ_n)))
+    f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · max(0, Σ_r ψ_r(w) B_r(u, v)
+                                               + Σ_n xyz_n R(λ_n) η_0(w/λ_n) N(d; C(λ_n)))
 
-in XYZ. The second sum, over the bands of the spectrum for wide lobes, is order 0, and seen in the
-highlight alone; C is the covariance of docs/theory.md, section 2.
+in XYZ, each channel for itself. The second sum, over the bands of the spectrum for wide lobes, is
+order 0, and seen in the highlight alone; C is the covariance of docs/theory.md, section 2.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ class BakedLookup:
         u, v, w = (i + o).T
         g = 1 + np.sum(i * o, axis=1)
         factor = g**2 / np.maximum(i[:, 2] * o[:, 2] * w**2, FLOOR)
-        xyz = self.pattern(u, v, w) + self.order_0(i, o, light.illuminant)
+        # Splines ring by some thousandths, which the factor blows up where directions graze.
+        xyz = np.maximum(self.pattern(u, v, w) + self.order_0(i, o, light.illuminant), 0)
         to_rgb = xyz_to_linear_srgb(OBSERVER, light.illuminant)
         tint = np.linalg.solve(to_rgb, np.diag(light.tint) @ to_rgb)
         result[rows] = factor[:, None] * (xyz @ tint.T)
