@@ -4,13 +4,19 @@ A patch that repeats has the lines f_jl = (j/T_x, l/T_y), whose amplitudes at on
 
     A_jl(kw) = mean over the patch of exp(ikwh) exp(+2πi (j x/T_x + l y/T_y)).
 
-Behind the window exp(−r²/2σ²) their lobes overlap and interfere. With s = 1/λ, d = (ω_i + ω_o)_xy,
-W = 1/(8π²σ²) and the lobe's covariance C_f (`HeightFieldOptics.covariance`),
+Behind one window exp(−r²/2σ²), which stands on the patch's first sample, their lobes overlap and
+interfere. With s = 1/λ, d = (ω_i + ω_o)_xy and W = 1/(8π²σ²),
 
-    |P|²/A = Σ_{l,l'} A_l Ā_l' exp(−|f_l − f_l'|²/8W) N(s d − (f_l + f_l')/2; C_f),
+    |P|²/A = |Σ_l A_l exp(−|s d − f_l|²/4W)|²/(2πW).
 
-which without blur, C_f = W·1, is |Σ_l A_l exp(−|s d − f_l|²/4W)|²/(2πW). The window stands on the
-patch's first sample. Lines beyond the samples' Nyquist frequency count as dark.
+Where normals tilt or the light has a size, what is seen comes from many windows, each with a tilt
+of its own and anywhere on the patch. On average over their places lines do not interfere: with the
+lobe's covariance C_f (`HeightFieldOptics.covariance`)
+
+    |P|²/A = Σ_l |A_l|² N(s d − f_l; C_f).
+
+The two differ where lobes overlap: for patches longer than the window is wide. Lines beyond the
+samples' Nyquist frequency count as dark.
 
 Each point (s d, kw) needs amplitudes at a kw of its own. exp(ikwh) is an entire function of kw of
 exponential type: over an interval in which kw Δ/2 changes by 2z, interpolation between Chebyshev
@@ -41,9 +47,6 @@ Index = NDArray[np.intp]
 EXPONENT_CUT = 20.0
 """Gaussian weights below e^−20 = 2e-9 are left out: of amplitudes, so 4e-18 of intensities; of one
 of the two Gaussians that make up a blurred lobe, so e^−40 of the lobe."""
-
-PAIR_CUT = 36.0
-"""Pairs of lines whose lobes interfere by less than e^−36 = 2e-16 are left out."""
 
 AMPLITUDE_ERROR = 1e-12
 """Largest error of an amplitude, or of a product of two, interpolated in kw."""
@@ -277,12 +280,11 @@ def _blurred_density(
 ) -> Array:
     """|P|²/A with blur, µm².
 
-    All pairs of lines with one middle m share a lobe; let C_m be the sum of their weights, which is
-    real. A lobe is the convolution of two Gaussians, N(·; ½C_0) and N(·; C_f − ½C_0), where
-    C_0(kw) = W + (kw/2π)² · `blur` is no wider than C_f; so the lobes are spread to a grid of step
-    H by the first, at each node of kw, and gathered from there by the second:
+    A lobe is the convolution of two Gaussians, N(·; ½C_0) and N(·; C_f − ½C_0), where C_0(kw) =
+    W + (kw/2π)² · `blur` is no wider than C_f; so the lobes are spread to a grid of step H by the
+    first, at each node of kw, and gathered from there by the second:
 
-        |P|²/A = Σ_g D_g N(s d − g; C_f − ½C_0),    D_g = H² Σ_m C_m N(g − m; ½C_0).
+        |P|²/A = Σ_g D_g N(s d − g; C_f − ½C_0),    D_g = H² Σ_l |A_l|² N(g − f_l; ½C_0).
 
     As a trapezoidal rule over a Gaussian of variance ¼C_0 or more, it changes each lobe everywhere
     by the same share of itself, at most 4 exp(−½π²C_0/H²), 5e-7 for H = `SPACING`·√C_0.
@@ -295,7 +297,9 @@ def _blurred_density(
     radius = np.sqrt(2 * EXPONENT_CUT * rest[:2].max(axis=1))
     spread = np.sqrt(2 * EXPONENT_CUT * c0.max() / 2)
     reach = np.abs(points.at).max(axis=0) + radius + spread
-    middles, values = _pairs(_Lines(field, over.nodes, reach), window_variance)
+    lines = _Lines(field, over.nodes, reach)
+    powers = np.abs(lines.amplitudes) ** 2
+    fx, fy = (np.arange(-n, n + 1) * h for n, h in zip(lines.limit, lines.step, strict=True))
 
     determinant = rest[0] * rest[1] - rest[2] ** 2
     xx, yy, xy = rest[1] / determinant, rest[0] / determinant, -rest[2] / determinant
@@ -305,15 +309,15 @@ def _blurred_density(
             h * (first + np.arange(count))
             for h, first, count in zip(step, tile.first, tile.count, strict=True)
         )
-        mx, my = (
-            slice(*np.searchsorted(m, (g[0] - spread, g[-1] + spread)))
-            for m, g in zip(middles, (gx, gy), strict=True)
+        columns, rows = (
+            slice(*np.searchsorted(f, (g[0] - spread, g[-1] + spread)))
+            for f, g in zip((fx, fy), (gx, gy), strict=True)
         )
-        if mx.start == mx.stop or my.start == my.stop:
+        if columns.start == columns.stop or rows.start == rows.stop:
             continue
-        to_x = _gaussians(gx, middles[0][mx], c0 / 2)
-        to_y = _gaussians(gy, middles[1][my], c0 / 2)
-        grid = to_y @ values[:, my, mx] @ to_x.transpose(0, 2, 1) * step[0] * step[1]
+        to_x = _gaussians(gx, fx[columns], c0 / 2)
+        to_y = _gaussians(gy, fy[rows], c0 / 2)
+        grid = to_y @ powers[:, rows, columns] @ to_x.transpose(0, 2, 1) * step[0] * step[1]
         grid = grid.reshape(len(over.nodes), -1)
         for part in tile.parts(grid.shape[1]):
             dx = (points.at[part, 0, None] - gx)[:, None, :]
@@ -324,35 +328,6 @@ def _blurred_density(
             values_at = _product(over.weights(points.kw[part]), grid)
             total[part] = np.einsum("nk,nk->n", values_at, weights)
     return total / (2 * np.pi * np.sqrt(determinant))
-
-
-def _pairs(lines: _Lines, window_variance: float) -> tuple[tuple[Array, Array], Array]:
-    """C_m = Σ A_l Ā_l' exp(−|f_l − f_l'|²/8W) over the pairs of lines with the middle m.
-
-    Returns:
-        Middles along x and y, 1/µm, at half the lines' step; C_m, shape (nodes, along y, along x).
-    """
-    a = lines.amplitudes
-    count, rows, columns = a.shape
-    values = np.zeros((count, 2 * rows - 1, 2 * columns - 1))
-    farthest = np.floor(np.sqrt(8 * window_variance * PAIR_CUT) / lines.step).astype(int)
-    for n in range(min(farthest[1], rows - 1) + 1):
-        limit = min(farthest[0], columns - 1)
-        for m in range(-limit if n > 0 else 0, limit + 1):
-            apart = np.sum((np.array([m, n]) * lines.step) ** 2) / (8 * window_variance)
-            if apart > PAIR_CUT:
-                continue
-            k = abs(m)
-            one, other = a[:, n:, k:], a[:, : rows - n, : columns - k]
-            if m < 0:
-                one, other = a[:, n:, : columns - k], a[:, : rows - n, k:]
-            both = 1 if n == m == 0 else 2  # the pair and its mirror image, complex conjugates
-            product = one.real * other.real + one.imag * other.imag
-            values[:, n : 2 * rows - 1 - n : 2, k : 2 * columns - 1 - k : 2] += (
-                both * np.exp(-apart) * product
-            )
-    j, l = (np.arange(-2 * n, 2 * n + 1) / 2 for n in lines.limit)  # noqa: E741
-    return (j * lines.step[0], l * lines.step[1]), values
 
 
 def _product(one: Array, other: Array) -> Array:
