@@ -10,16 +10,16 @@ of which each line (j, l) is a Gaussian about (u, v) = λ f_jl with the covarian
     C = λ²/(8π²σ²) + (wδ)² + α²(1 + w²/4)/2
 
 along both axes, the light's disc being foreshortened as it is on average. Order 0, the one line at
-f = 0, has a closed form and is left out. The rest is split over w by singular values, I ≈ Σ_r
-ψ_r(w) B_r(u, v). B_r are cubic B-splines, which follow a lobe on a grid whose step is the lobe's
-deviation, where straight lines would need less than half of it; a shader reads one with four
-bilinear lookups. Where w is so small that lobes are narrower than a step, they are widened and keep
-their energy.
+f = 0, turns with the light's disc and is left out: it is a table of its own. The rest is split over
+w by singular values, I ≈ Σ_r ψ_r(w) B_r(u, v). B_r are splines, cubic along v, where they follow a
+lobe on a grid whose step is the lobe's deviation, and linear along u, where they need more than
+twice as many texels: a shader reads one with two bilinear lookups, where cubic ones both ways would
+be four, and linear ones would be one from a table twice as large. Where w is so small that lobes
+are narrower than a step, they are widened and keep their energy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -30,12 +30,13 @@ from numpy.typing import NDArray
 
 from precompute.axes import Axis
 from precompute.errors import InputError
-from precompute.height_fields.baked_lookup import OBSERVER, BakedLookup
+from precompute.height_fields.baked_lookup import ALONG_U, ALONG_V, OBSERVER, BakedLookup
 from precompute.height_fields.cells import spectrum_cells
 from precompute.height_fields.expansion import terms_needed
 from precompute.height_fields.field import HeightField
 from precompute.height_fields.recipe import HeightFieldRecipe
 from precompute.height_fields.splines import coefficients, gaussian_moments
+from precompute.lobes import EXPONENT_CUT
 from precompute.maps import Map, Table
 from precompute.spectra import (
     WAVELENGTH_MAX,
@@ -54,16 +55,19 @@ Singles = NDArray[np.float32]
 DIRECTION_MAX = 2.0
 """Largest |u|, |v| and w: light and view grazing, or both overhead."""
 
-SHARE, LARGEST_ERROR = 5.0, 5e-3
+FARTHEST = DIRECTION_MAX / WAVELENGTH_MIN
+"""Largest p = w/λ, 1/µm."""
+
+SHARE, LARGEST_ERROR = 6.0, 6e-3
 """What modes left out may cost, and what the grid may, each: so many times the error of the recipe,
 which is of amplitudes, but no more than leaves the whole within 1 %."""
 
-RESOLVED_W = 1.0
-"""Least w at which the grid resolves lobes to that: both directions at 60°. Lobes are narrower at
+RESOLVED_W = 1.3
+"""Least w at which the grid resolves lobes to that: both directions at 49°. Lobes are narrower at
 smaller w, and take more memory than the few pixels that see them are worth."""
 
-LARGEST_GRID = 512
-"""Texels along each axis: 6 MB for four modes."""
+LARGEST_GRID = 1024
+"""Texels along u: some 10 MB for four modes."""
 
 SPECTRUM_ERROR = 1e-8
 """Largest error of |A|² interpolated in w/λ: small, since it starts as w², and is divided by that
@@ -78,19 +82,16 @@ BLUR_NODES = 12
 REACH_SHARE = 1e-3
 """Share of the power that may lie beyond the table along an axis."""
 
-APART = 1e-4
-"""Two lines, or a window and its repeat, that overlap by less than this do not interfere."""
-
 NARROWEST = 0.85
 """About the least deviation of a lobe, in texels: narrower ones ring, and reach below zero."""
 
 SMOOTHING = 0.6
-"""Deviation, in texels at the longest wavelength, by which a dense spectrum is smoothed so that
-fewer samples stand for it. As much is taken off the blur, which is more wherever the grid resolves
-lobes."""
+"""Deviation, in texels along v at the longest wavelength, by which a dense spectrum is smoothed so
+that fewer samples stand for it. As much is taken off the blur, which is more wherever the grid
+resolves lobes."""
 
-WINDOW_REACH = 5.0
-"""Deviations beyond which the window's 4e-6 count as zero."""
+GAPS = 1e-4
+"""Ripple of a smoothed spectrum, relative."""
 
 WAVELENGTH_REACH = 1.5
 """How far a line may move from one wavelength of the sum to the next, in deviations of its lobe: a
@@ -102,9 +103,9 @@ SAMPLES_PER_NODE = 32
 """Samples of ψ for each Chebyshev node over w: a polynomial of degree n over [0, 2] has about the
 curvature of cos nw, from which straight lines depart by (2/32)²/8 = 5e-4."""
 
-COHERENT_STEP = 0.02
-"""Change of η_0's fastest phase from one sample to the next, rad: straight lines are off by less
-than 0.02²/8 = 5e-5."""
+COHERENT_STEP = 0.05
+"""Change of η_0's fastest phase from one sample of order 0 to the next, rad, and of its lobe in
+deviations: straight lines are off by less than 0.05²/8 = 3e-4."""
 
 ERROR_DIRECTIONS = 200
 """Pairs of directions in which the error is measured."""
@@ -116,10 +117,12 @@ FULL_SCALE = 1024.0
 def baked_map(
     field: HeightField, recipe: HeightFieldRecipe, file: Path = Path("height-field")
 ) -> Map:
-    """Bake I(u, v, w), and η_0 over p = w/λ for order 0.
+    """Bake I(u, v, w), and order 0.
 
     Modes come in groups of four, a group in three layers: X, Y, Z of three modes in the first
-    channels of a layer each, X, Y, Z of the fourth in the last channels of the three.
+    channels of a layer each, X, Y, Z of the fourth in the last channels of the three. Order 0, as
+    `BakedLookup.order_0` reads it, is a table over w and the distance r from its middle in
+    deviations.
 
     Args:
         field: The relief, prepared.
@@ -127,18 +130,18 @@ def baked_map(
         file: The recipe's file, for errors; a CSV illuminant is looked for beside it.
 
     Returns:
-        A map of kind ``height-field-baked`` with the arrays ``modes`` (layers × v × u; B-spline
-        coefficients), ``weights`` (groups × w; ψ of four modes) and ``coherent`` (a row × p; η_0).
+        A map of kind ``height-field-baked`` with the arrays ``modes`` (layers × v × u; spline
+        coefficients), ``weights`` (groups × w; ψ of four modes) and ``coherent`` (r × w; order 0).
 
     Raises:
         InputError: Roughness and light blur too little for the largest grid.
     """
     error = min(SHARE * recipe.error, LARGEST_ERROR)
     blur = _Blur.of(recipe)
-    step = blur.grid_step(error)
-    spectrum = _spectrum(field, blur, step)
+    steps = blur.grid_steps(error)
+    spectrum = _spectrum(field, blur, steps[1])
     reach = np.minimum(spectrum.reach(REACH_SHARE) + blur.margin, DIRECTION_MAX)
-    u, v = _grid_axes(reach, step, blur, file)
+    u, v = _grid_axes(reach, steps, blur, file)
     weights = _weights(recipe, file)
     sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), weights)
 
@@ -162,7 +165,7 @@ def baked_map(
         tables={
             "modes": _packed_modes(modes * scale[:, None, None, None], u, v),
             "weights": _packed_weights(ψ / scale, w),
-            "coherent": _coherent(field),
+            "coherent": _coherent(field, blur, weights),
             **spectrum_cells(field).tables(),
         },
         error={},
@@ -172,7 +175,6 @@ def baked_map(
             "u_max": u.last,
             "v_max": v.last,
             "w_max": DIRECTION_MAX,
-            "coherent_max": DIRECTION_MAX / WAVELENGTH_MIN,
             "roughness": recipe.roughness,
             "angular_radius": recipe.angular_radius,
             "coherence": recipe.coherence,
@@ -188,20 +190,18 @@ class _Blur:
 
     Attributes:
         window: W = 1/(8π²σ²), 1/µm²: λ²W is the window's variance in (u, v).
-        coherence: σ, µm.
         roughness: δ, rad.
         angular_radius: α, rad.
     """
 
     window: float
-    coherence: float
     roughness: float
     angular_radius: float
 
     @staticmethod
     def of(recipe: HeightFieldRecipe) -> _Blur:
-        σ = recipe.coherence
-        return _Blur(1 / (8 * np.pi**2 * σ**2), σ, recipe.roughness, recipe.angular_radius)
+        window = 1 / (8 * np.pi**2 * recipe.coherence**2)
+        return _Blur(window, recipe.roughness, recipe.angular_radius)
 
     def variance(self, w: float) -> float:
         """(wδ)² + α²(1 + w²/4)/2.
@@ -223,12 +223,16 @@ class _Blur:
         widest = WAVELENGTH_MAX**2 * self.window + self.variance(DIRECTION_MAX)
         return 5 * float(np.sqrt(widest))
 
-    def grid_step(self, error: float) -> float:
-        """Δ of the grid: what of the narrowest lobe lies beyond its Nyquist frequency is the error.
+    def grid_steps(self, error: float) -> tuple[float, float]:
+        """Steps along u and v at which splines follow the narrowest lobe within an error.
 
-        A Gaussian's spectrum has fallen there to exp(−½π²τ²/Δ²).
+        Relative, in the mean square. Linear splines are off by ‖f''‖Δ²/√720, which of a Gaussian f
+        is √3 Δ²/(2τ²√720); cubic ones by what lies beyond the Nyquist frequency, where a Gaussian's
+        spectrum has fallen to exp(−½π²τ²/Δ²).
         """
-        return float(np.pi * self.narrowest / np.sqrt(2 * np.log(1 / error)))
+        linear = np.sqrt(error * 2 * np.sqrt(720 / 3))
+        cubic = np.pi / np.sqrt(2 * np.log(1 / error))
+        return float(linear * self.narrowest), float(cubic * self.narrowest)
 
 
 @dataclass(frozen=True)
@@ -240,8 +244,7 @@ class _Spectrum:
         nodes: Chebyshev nodes of p, 1/µm.
         powers: Shape (nodes, fy, fx).
         window: W, 1/µm².
-        rest: Variance of what powers are still to be convolved with before any blur, 1/µm²: W for
-            lines, 0 or less for samples that the window, and more, has smoothed already.
+        smoothed: Variance by which powers are smoothed already, 1/µm²; 0 for lines.
     """
 
     fx: Array
@@ -249,7 +252,7 @@ class _Spectrum:
     nodes: Array
     powers: Singles
     window: float
-    rest: float
+    smoothed: float
 
     def deviation(self, wavelength: float, blur: float, least: float = 0) -> float:
         """τ in (u, v) that powers are yet to be widened by.
@@ -261,12 +264,12 @@ class _Spectrum:
             blur: Variance of roughness and light.
             least: About the least variance that a whole lobe shall have.
         """
-        own = wavelength**2 * self.rest
         if least > 0:
             # In place of a maximum, whose kink polynomials over w could not follow: at least 0.6 of
             # it, and no more than 0.5 % above variances from 1.3 of it on.
             blur += least * float(np.exp(-4 * (wavelength**2 * self.window + blur) / least))
-        return float(np.sqrt(max(own + blur, -own)))
+        smoothed = wavelength**2 * self.smoothed
+        return float(np.sqrt(max(wavelength**2 * self.window + blur - smoothed, smoothed)))
 
     def at(self, p: Array) -> Singles:
         """Powers at p, shape (len(p), fy, fx)."""
@@ -296,27 +299,16 @@ def _phase_nodes(field: HeightField, error: float) -> int:
 
 
 def _spectrum(field: HeightField, blur: _Blur, step: float) -> _Spectrum:
-    """Powers of all visible frequencies but order 0.
+    """Powers of all visible lines but order 0.
+
+    Lines of a long patch are dense: they are smoothed, and fewer samples of the sum stand for them.
 
     Args:
         field: The relief.
         blur: What widens lines.
-        step: Of the grid in (u, v), which need not be told apart from less.
+        step: Along v, of the grid, which need not tell apart what is closer.
     """
-    overlap = np.exp(-((np.pi * blur.coherence / np.array(field.period)) ** 2))
     reach = (DIRECTION_MAX + blur.margin) / WAVELENGTH_MIN
-    nodes = _chebyshev_nodes(0, 2 / WAVELENGTH_MIN, _phase_nodes(field, SPECTRUM_ERROR))
-    heights = field.amplitude * field.centred
-    phasors = (np.exp(2j * np.pi * p * heights) for p in nodes)
-    if overlap.max() < APART:
-        return _spectrum_of_lines(field, blur, reach, nodes, phasors)
-    return _spectrum_of_window(field, blur, reach, nodes, phasors, step)
-
-
-def _spectrum_of_lines(
-    field: HeightField, blur: _Blur, reach: float, nodes: Array, phasors: Iterator[ComplexArray]
-) -> _Spectrum:
-    """|A_jl|² of a patch so short that its lines do not interfere."""
     columns, rows = (
         np.arange(-last, last + 1)
         for last in (
@@ -325,84 +317,47 @@ def _spectrum_of_lines(
         )
     )
     fx, fy = columns / field.period[0], rows / field.period[1]
-    powers = np.empty((len(nodes), len(fy), len(fx)), np.float32)
-    for power, phasor in zip(powers, phasors, strict=True):
-        amplitudes = np.asarray(scipy.fft.ifft2(phasor, workers=-1))
-        power[:] = np.abs(amplitudes[np.ix_(rows, columns)]) ** 2
-        power[fy == 0, fx == 0] = 0
-    return _Spectrum(fx, fy, nodes, powers, blur.window, blur.window)
-
-
-def _spectrum_of_window(
-    field: HeightField,
-    blur: _Blur,
-    reach: float,
-    nodes: Array,
-    phasors: Iterator[ComplexArray],
-    step: float,
-) -> _Spectrum:
-    """|P|²/A, order 0 taken out, times the cell of a lattice over spatial frequency.
-
-    |P|² is as smooth as the window is wide: all of it is in samples 1/L apart where L is beyond the
-    reach of the window's correlation with itself, exp(−L²/4σ²). Half a texel of smoothing makes
-    do with fewer of them.
-    """
-    σ = blur.coherence
-    fine = 1 / (2 * σ * np.sqrt(np.log(1 / APART)))
-    f = fine * np.arange(-int(reach / fine), int(reach / fine) + 1)
     smooth = SMOOTHING * step / WAVELENGTH_MAX
     # A row of Gaussians closes its gaps to 2 exp(−2π²V/h²).
-    coarse = smooth * np.pi * np.sqrt(2 / np.log(2 / APART))
-    if coarse <= fine:
-        to, kernel, rest = f, np.eye(len(f)), 0.0
-    else:
-        to = coarse * np.arange(-int(reach / coarse), int(reach / coarse) + 1)
-        distance = (to[:, None] - f) / smooth
-        kernel = np.exp(-(distance**2) / 2) * (coarse / smooth / np.sqrt(2 * np.pi))
-        rest = -(smooth**2)
-    (x, along_x), (y, along_y) = (
-        _window_transform(f, period, size, σ)
-        for period, size in zip(field.period, field.heights.shape[::-1], strict=True)
+    coarse = smooth * np.pi * np.sqrt(2 / np.log(2 / GAPS))
+    is_dense = coarse > max(1 / period for period in field.period)
+    to_x, to_y = (_lattice(f, coarse) if is_dense else f for f in (fx, fy))
+    over_x, over_y = (
+        _smoothing(to, f, smooth) if is_dense else np.eye(len(f), dtype=np.float32)
+        for to, f in ((to_x, fx), (to_y, fy))
     )
-    to_power = (field.pitch[0] * field.pitch[1] * fine) ** 2 / (np.pi * σ**2)
-    window = (
-        4 * np.pi * (σ * fine) ** 2 * np.exp(-((2 * np.pi * σ) ** 2) * (f[:, None] ** 2 + f**2))
-    )
-    kernel = kernel.astype(np.float32)
-    powers = np.empty((len(nodes), len(kernel), len(kernel)), np.float32)
-    for power, phasor in zip(powers, phasors, strict=True):
-        amplitude = along_y @ phasor[np.ix_(y, x)].astype(np.complex64) @ along_x.T
-        density = to_power * np.abs(amplitude) ** 2 - np.abs(phasor.mean()) ** 2 * window
-        power[:] = kernel @ density.astype(np.float32) @ kernel.T
-    return _Spectrum(to, to, nodes, powers, blur.window, rest)
+    nodes = _chebyshev_nodes(0, FARTHEST, _phase_nodes(field, SPECTRUM_ERROR))
+    heights = field.amplitude * field.centred
+    powers = np.empty((len(nodes), len(to_y), len(to_x)), np.float32)
+    for power, p in zip(powers, nodes, strict=True):
+        amplitudes = np.asarray(scipy.fft.ifft2(np.exp(2j * np.pi * p * heights), workers=-1))
+        lines = (np.abs(amplitudes[np.ix_(rows, columns)]) ** 2).astype(np.float32)
+        lines[rows == 0, columns == 0] = 0
+        power[:] = over_y @ lines @ over_x.T
+    return _Spectrum(to_x, to_y, nodes, powers, blur.window, smooth**2 if is_dense else 0.0)
 
 
-def _window_transform(
-    frequencies: Array, period: float, size: int, coherence: float
-) -> tuple[Index, ComplexArray]:
-    """Along one axis, the matrix from samples of a period to the windowed surface's spectrum.
-
-    The window exp(−x²/2σ²) stands on the first sample; the period repeats beneath it.
-
-    Returns:
-        Which samples it sees, and Σ_n exp(−x²/2σ²) exp(2πifx) at x + nT, (frequencies, samples).
-    """
-    x = np.arange(size) * period / size
-    result = np.zeros((len(frequencies), size), np.complex128)
-    folds = int(np.ceil(WINDOW_REACH * coherence / period))
-    for n in range(-folds, folds):
-        at = x + n * period
-        seen = np.abs(at) < WINDOW_REACH * coherence
-        phase = 2j * np.pi * frequencies[:, None] * at[seen]
-        result[:, seen] += np.exp(phase - at[seen] ** 2 / (2 * coherence**2))
-    samples = np.flatnonzero(result.any(axis=0))
-    return samples, result[:, samples].astype(np.complex64)
+def _lattice(frequencies: Array, step: float) -> Array:
+    """Multiples of a step, as far as the frequencies go and one more."""
+    last = int(frequencies[-1] / step) + 1
+    return step * np.arange(-last, last + 1.0)
 
 
-def _grid_axes(reach: Array, step: float, blur: _Blur, file: Path) -> tuple[Axis, Axis]:
+def _smoothing(to: Array, of: Array, deviation: float) -> Singles:
+    """What spreads powers at `of` over samples at `to` by a Gaussian, (len(to), len(of))."""
+    distance = (to[:, None] - of) / deviation
+    share = (to[1] - to[0]) / deviation / np.sqrt(2 * np.pi)
+    return (share * np.exp(-(distance**2) / 2)).astype(np.float32)
+
+
+def _grid_axes(
+    reach: Array, steps: tuple[float, float], blur: _Blur, file: Path
+) -> tuple[Axis, Axis]:
     """The axes of u and v, or a refusal of so large a grid."""
     axes = []
-    for symbol, name, half in zip("uv", ("along x", "along y"), reach.tolist(), strict=True):
+    for symbol, name, half, step in zip(
+        "uv", ("along x", "along y"), reach.tolist(), steps, strict=True
+    ):
         size = int(np.ceil(2 * half / step)) + 1
         if size > LARGEST_GRID:
             # That resolves all of the visible range, which is as much as can be asked for.
@@ -447,7 +402,7 @@ class _ColourSum:
     def at(self, w: float) -> Singles:
         """Coefficients of one slice, shape (3, v, u)."""
         u, v = self.axes
-        texel = (u.last - u.first) / (u.size - 1)
+        texel = self._texel
         reach = np.array([u.last, v.last]) + self.blur.margin
         result = np.zeros((3, v.size, u.size), np.float32)
         wavelengths = self._wavelengths(w)
@@ -459,18 +414,24 @@ class _ColourSum:
                 wavelengths[some].tolist(), colours[some], powers, strict=True
             ):
                 τ = seen.deviation(λ, self.blur.variance(w), (NARROWEST * texel) ** 2)
-                along_u = gaussian_moments(λ * seen.fx, τ, u).astype(np.float32)
-                along_v = gaussian_moments(λ * seen.fy, τ, v).astype(np.float32)
+                along_u = gaussian_moments(λ * seen.fx, τ, u, ALONG_U).astype(np.float32)
+                along_v = gaussian_moments(λ * seen.fy, τ, v, ALONG_V).astype(np.float32)
                 result += colour[:, None, None] * (along_v.T @ (power @ along_u))
-        return coefficients(coefficients(result.astype(np.float64), 1), 2).astype(np.float32)
+        over_v = coefficients(result.astype(np.float64), 1, ALONG_V)
+        return coefficients(over_v, 2, ALONG_U).astype(np.float32)
+
+    @property
+    def _texel(self) -> float:
+        """Step of the grid along v, the coarser."""
+        v = self.axes[1]
+        return (v.last - v.first) / (v.size - 1)
 
     def _wavelengths(self, w: float) -> Array:
         """Wavelengths of the sum: a line moves by less than its lobe, or a texel, in between."""
         u, v = self.axes
-        texel = (u.last - u.first) / (u.size - 1)
         lobe = np.sqrt(WAVELENGTH_MIN**2 * self.blur.window + self.blur.variance(w))
         farthest = min(np.hypot(u.last, v.last), np.sqrt(DIRECTION_MAX**2 - w**2))
-        step = WAVELENGTH_REACH * max(lobe, texel) * WAVELENGTH_MIN / max(farthest, 1e-3)
+        step = WAVELENGTH_REACH * max(lobe, self._texel) * WAVELENGTH_MIN / max(farthest, 1e-3)
         step = np.clip(step, WAVELENGTH_STEP, COARSEST_WAVELENGTH_STEP)
         count = int(np.ceil((WAVELENGTH_MAX - WAVELENGTH_MIN) / step - 1e-9)) + 1
         return np.linspace(WAVELENGTH_MIN, WAVELENGTH_MAX, count)
@@ -604,18 +565,39 @@ def _packed_weights(ψ: Array, w: Axis) -> Table:
     )
 
 
-def _coherent(field: HeightField) -> Table:
-    """η_0(p) = |mean of exp(2πiph)|², the share of order 0."""
-    last = DIRECTION_MAX / WAVELENGTH_MIN
-    count = int(np.ceil(4 * np.pi * field.amplitude * last / COHERENT_STEP)) + 2
-    row = Axis(name="row", symbol="i", unit="1", size=1, first=0, last=0)
-    p = Axis(name="w over wavelength", symbol="p", unit="1/um", size=count, first=0, last=last)
-    nodes = _chebyshev_nodes(0, last, _phase_nodes(field, SPECTRUM_ERROR))
-    means = np.array(
-        [np.mean(np.exp(2j * np.pi * q * field.centred * field.amplitude)) for q in nodes]
+def _coherent(field: HeightField, blur: _Blur, weights: Array) -> Table:
+    """Order 0: 2πτ² Σ_λ W R η_0(w/λ) N(rτ; C(λ)), XYZ.
+
+    η_0(p) = |mean of exp(2πiph)|². C(λ) = λ²/(8π²σ²) + (wδ)² + α² along both axes, and τ² that of
+    the longest wavelength.
+    """
+    fastest = 4 * np.pi * field.amplitude * FARTHEST
+    count = max(int(np.ceil(fastest / COHERENT_STEP)), SAMPLES_PER_NODE) + 1
+    last = float(np.sqrt(2 * EXPONENT_CUT))
+    w = Axis(
+        name="sum of the cosines", symbol="w", unit="1", size=count, first=0, last=DIRECTION_MAX
     )
-    values = np.abs(_interpolation(nodes, p.parameters()) @ means) ** 2
-    return Table(values[None, :, None], (row, p), ("eta_0",), "float32")
+    r = Axis(
+        name="distance over deviation",
+        symbol="r",
+        unit="1",
+        size=int(np.ceil(last / COHERENT_STEP)) + 1,
+        first=0,
+        last=last,
+    )
+    nodes = _chebyshev_nodes(0, FARTHEST, _phase_nodes(field, SPECTRUM_ERROR))
+    means = np.array(
+        [np.mean(np.exp(2j * np.pi * p * field.centred * field.amplitude)) for p in nodes]
+    )
+    values = np.zeros((r.size, w.size, 4))
+    for column, at in enumerate(w.parameters().tolist()):
+        η_0 = np.abs(_interpolation(nodes, at / WAVELENGTHS) @ means) ** 2
+        same = (at * blur.roughness) ** 2 + blur.angular_radius**2
+        variance = WAVELENGTHS**2 * blur.window + same
+        narrower = variance / (WAVELENGTH_MAX**2 * blur.window + same)
+        lobe = np.exp(-(r.parameters()[:, None] ** 2) / (2 * narrower)) / narrower
+        values[:, column, :3] = lobe @ (η_0[:, None] * weights)
+    return Table(values, (r, w), ("X", "Y", "Z", "unused"))
 
 
 def _error(baked: Map, spectrum: _Spectrum, blur: _Blur, weights: Array) -> dict[str, float | str]:

@@ -2,35 +2,34 @@
 
 With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and g = 1 + ω_i·ω_o,
 
-    f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · max(0, Σ_r ψ_r(w) B_r(u, v)
-                                               + Σ_n xyz_n R(λ_n) η_0(w/λ_n) N(d; C(λ_n)))
+    f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · max(0, Σ_r ψ_r(w) B_r(u, v) + E(r, w)/(2π √det C))
 
-in XYZ, each channel for itself. The second sum, over the bands of the spectrum for wide lobes, is
-order 0, and seen in the highlight alone; C is the covariance of docs/theory.md, section 2.
+in XYZ, each channel for itself. The last term is order 0, C the covariance of docs/theory.md,
+section 2, at the longest wavelength, and r² = dᵀC⁻¹d.
 """
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from precompute.closed_form import Node, weighted_nodes
 from precompute.errors import InputError
 from precompute.gratings import Light
 from precompute.height_fields.recipe import HeightFieldRecipe
-from precompute.height_fields.splines import evaluated
-from precompute.lobes import EXPONENT_CUT, lobes_map
+from precompute.height_fields.splines import Degree, evaluated
 from precompute.maps import Map, Table
-from precompute.recipes import LobesRecipe
-from precompute.spectra import WAVELENGTH_MAX, Observer, metal_reflectance, xyz_to_linear_srgb
+from precompute.spectra import WAVELENGTH_MAX, Observer, xyz_to_linear_srgb
 
 Array = NDArray[np.float64]
 
 OBSERVER: Observer = "1931-2"
 """Whose colours are baked."""
+
+ALONG_U: Degree = 1
+ALONG_V: Degree = 3
+"""Degrees of the modes' splines."""
 
 FLOOR = 1e-6
 """Of cosθ_i cosθ_o w², as in the shaders' Kirchhoff factor."""
@@ -67,7 +66,7 @@ class BakedLookup:
         g = 1 + np.sum(i * o, axis=1)
         factor = g**2 / np.maximum(i[:, 2] * o[:, 2] * w**2, FLOOR)
         # Splines ring by some thousandths, which the factor blows up where directions graze.
-        xyz = np.maximum(self.pattern(u, v, w) + self.order_0(i, o, light.illuminant), 0)
+        xyz = np.maximum(self.pattern(u, v, w) + self.order_0(i, o), 0)
         to_rgb = xyz_to_linear_srgb(OBSERVER, light.illuminant)
         tint = np.linalg.solve(to_rgb, np.diag(light.tint) @ to_rgb)
         result[rows] = factor[:, None] * (xyz @ tint.T)
@@ -76,7 +75,7 @@ class BakedLookup:
     def pattern(self, u: Array, v: Array, w: Array) -> Array:
         """I(u, v, w) without order 0, XYZ, shape (n, 3), zero beyond the table.
 
-        A shader reads each layer's splines by four bilinear lookups.
+        A shader reads each layer's splines by two bilinear lookups.
         """
         _, v_axis, u_axis = self.modes.axes
         inside = (np.abs(u) <= u_axis.last) & (np.abs(v) <= v_axis.last)
@@ -85,41 +84,23 @@ class BakedLookup:
         for number, layer in enumerate(self.modes.values):
             group, colour = divmod(number, 3)
             ψ = self.weights.sample(np.full(len(w), float(group)), w)
-            texel = np.stack([evaluated(channel, *at) for channel in np.moveaxis(layer, -1, 0)])
-            result += (ψ[:, colour] * texel[:3]).T
+            texel = evaluated(layer, *at)
+            result += ψ[:, colour, None] * texel[:, :3]
             # The last channels of a group's layers are X, Y, Z of its fourth mode.
-            result[:, colour] += ψ[:, 3] * texel[3]
+            result[:, colour] += ψ[:, 3] * texel[:, 3]
         return np.where(inside[:, None], result, 0)
 
-    def order_0(self, wi: Array, wo: Array, illuminant: str) -> Array:
-        """The coherent mean, XYZ, shape (n, 3); zero where `order_0_exponent` is beyond the cut."""
-        result = np.zeros((len(wi), 3))
-        rows = np.flatnonzero(self.order_0_exponent(wi, wo) < EXPONENT_CUT)
-        x, y, _ = wi[rows].T
-        u, v, w = (wi + wo)[rows].T
-        tilt, source = (w * self.recipe.roughness) ** 2, self.recipe.angular_radius**2
-        for node in _nodes(illuminant):
-            λ = node.wavelength
-            same = λ**2 * self.window + tilt
-            c_uu, c_vv, c_uv = (
-                same + source * (1 - x**2),
-                same + source * (1 - y**2),
-                -source * x * y,
-            )
-            determinant = c_uu * c_vv - c_uv**2
-            exponent = (c_vv * u**2 - 2 * c_uv * u * v + c_uu * v**2) / (2 * determinant)
-            η = self.coherent.sample(np.zeros_like(w), w / λ)[..., 0]
-            if self.recipe.metal is not None:
-                η = η * metal_reflectance(self.recipe.metal, λ)
-            density = η * np.exp(-exponent) / (2 * np.pi * np.sqrt(determinant))
-            result[rows] += density[:, None] * node.xyz
-        return result
-
-    def order_0_exponent(self, wi: Array, wo: Array) -> Array:
-        """Half of |d|² over the largest variance of order 0: no more than its exponent."""
+    def order_0(self, wi: Array, wo: Array) -> Array:
+        """The coherent mean, XYZ, shape (n, 3); zero beyond the table."""
+        x, y, _ = wi.T
         u, v, w = (wi + wo).T
-        tilt, source = (w * self.recipe.roughness) ** 2, self.recipe.angular_radius**2
-        return (u**2 + v**2) / (2 * (WAVELENGTH_MAX**2 * self.window + tilt + source))
+        source = self.recipe.angular_radius**2
+        same = WAVELENGTH_MAX**2 * self.window + (w * self.recipe.roughness) ** 2
+        c_uu, c_vv, c_uv = same + source * (1 - x**2), same + source * (1 - y**2), -source * x * y
+        determinant = c_uu * c_vv - c_uv**2
+        r = np.sqrt((c_vv * u**2 - 2 * c_uv * u * v + c_uu * v**2) / determinant)
+        lobe = self.coherent.sample(r, w)[:, :3] / (2 * np.pi * np.sqrt(determinant))[:, None]
+        return np.where((r <= self.coherent.axes[0].last)[:, None], lobe, 0)
 
     def _check(self, light: Light) -> None:
         recipe = self.recipe
@@ -136,9 +117,3 @@ class BakedLookup:
 def _as_stored(table: Table) -> Table:
     values = table.values.astype(table.dtype).astype(np.float64)
     return Table(values, table.axes, table.channels, table.dtype)
-
-
-@functools.lru_cache(maxsize=8)
-def _nodes(illuminant: str) -> list[Node]:
-    recipe = LobesRecipe.model_construct(kind="lobes", illuminant=illuminant, observer=OBSERVER)
-    return weighted_nodes(lobes_map(recipe, Path()).tables["weights"], np.ones(3))

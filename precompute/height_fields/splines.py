@@ -1,42 +1,48 @@
-"""Cubic B-splines on the texels of a table: the projection of Gaussians onto them.
+"""Splines on the texels of a table: the projection of Gaussians onto them.
 
-A spline is Σ_i c_i β(x/Δ − i) with texels i at the step Δ and
-
-    β(x) = δ⁴ x₊³/6 = (|x − 2|³₊ − 4|x − 1|³₊)/6,
-
-four straight pieces convolved, a bell of variance Δ²/3 that covers four texels. Coefficients that
-make it the closest to f in the mean square solve G c = b, b_i = ∫ f β_i dx, G_ij = ∫ β_i β_j dx.
-Such a spline has the integral of f, however narrow f may be.
+A spline of degree d is Σ_i c_i β(x/Δ − i) with texels i at the step Δ and β the bell of d + 1 boxes
+convolved, the central difference δ^(d+1) of x₊^d/d!: a hat over two intervals for d = 1, a smooth
+bell over four for d = 3, of variance (d + 1)Δ²/12. Coefficients that make it the closest to f in
+the mean square solve G c = b, b_i = ∫ f β_i dx, G_ij = ∫ β_i β_j dx. Such a spline has the integral
+of f, however narrow f may be.
 """
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
-from scipy.ndimage import map_coordinates
 from scipy.special import ndtr
 
 from precompute.axes import Axis
 
 Array = NDArray[np.float64]
 
-GRAM = np.array([2416, 1191, 120, 1]) / 5040
-"""∫ β_i β_j dx/Δ for |i − j| = 0 to 3: β of twice the order at the integers."""
+Degree = Literal[1, 3]
+
+GRAM: dict[Degree, Array] = {
+    1: np.array([4, 1]) / 6,
+    3: np.array([2416, 1191, 120, 1]) / 5040,
+}
+"""∫ β_i β_j dx/Δ for |i − j| = 0 to d, by degree: β of degree 2d + 1 at the integers."""
 
 REACH = 5.5
 """Deviations beyond which a Gaussian is taken as zero: 3e-7 of its peak."""
 
 
-def gaussian_moments(centres: Array, deviation: float, axis: Axis) -> Array:
+def gaussian_moments(centres: Array, deviation: float, axis: Axis, degree: Degree) -> Array:
     """b_i = ∫ N(x − m; τ²) β_i(x) dx/Δ for each m.
 
-    By the fourth central difference of N's fourth integral, ⅙ E[(x − X)₊³], X normal.
+    By the central difference δ^(d+1) of N's integral so many times over, E[(x − X)₊^d]/d!, X
+    normal.
 
     Args:
         centres: m, shape (n,); those out of the axis' reach give zeros.
         deviation: τ, above 0.
         axis: Linear.
+        degree: d.
 
     Returns:
         Shape (n, axis.size).
@@ -44,36 +50,50 @@ def gaussian_moments(centres: Array, deviation: float, axis: Axis) -> Array:
     step = (axis.last - axis.first) / (axis.size - 1)
     position = (centres - axis.first) / step
     τ = deviation / step
-    reach = int(np.ceil(REACH * τ)) + 2
+    half = (degree + 1) // 2
+    reach = int(np.ceil(REACH * τ)) + half
     nearest = np.rint(position).astype(int)
     texels = nearest[:, None] + np.arange(-reach, reach + 1)
-    x = (nearest - position)[:, None] + np.arange(-reach - 2, reach + 3)
-    integral = (x**3 + 3 * x * τ**2) * ndtr(x / τ) / 6
-    integral += (x**2 + 2 * τ**2) * τ * np.exp(-((x / τ) ** 2) / 2) / np.sqrt(72 * np.pi)
-    moments = np.diff(integral, 4, axis=1) / step
+    x = (nearest - position)[:, None] + np.arange(-reach - half, reach + half + 1)
+    below, density = ndtr(x / τ), np.exp(-((x / τ) ** 2) / 2) / np.sqrt(2 * np.pi)
+    if degree == 1:
+        integral = x * below + τ * density
+    else:
+        integral = ((x**3 + 3 * x * τ**2) * below + (x**2 + 2 * τ**2) * τ * density) / 6
+    moments = np.diff(integral, degree + 1, axis=1) / step
     inside = (texels >= 0) & (texels < axis.size)
     result = np.zeros((len(centres), axis.size))
     result[np.nonzero(inside)[0], texels[inside]] = moments[inside]
     return result
 
 
-def coefficients(moments: Array, axis: int) -> Array:
+def coefficients(moments: Array, axis: int, degree: Degree) -> Array:
     """c of G c = b along an axis of `moments`, the splines beyond its ends left out."""
     b = np.moveaxis(moments, axis, 0)
-    banded = np.repeat(GRAM[:, None], len(b), axis=1)
+    banded = np.repeat(GRAM[degree][:, None], len(b), axis=1)
     c = solveh_banded(banded, b.reshape(len(b), -1), lower=True)
     return np.moveaxis(c.reshape(b.shape), 0, axis)
 
 
-def evaluated(texels: Array, *positions: Array) -> Array:
-    """The spline of coefficients at texel indices, which may be fractional.
+def evaluated(texels: Array, cubic: Array, linear: Array) -> Array:
+    """The splines of coefficients at texel indices, which may be fractional.
+
+    Beyond their ends the outermost coefficients go on, as in a texture that is clamped to its edge.
 
     Args:
-        texels: c, one axis a dimension; beyond its ends the outermost ones go on, as a texture
-            that is clamped to its edge has them.
-        positions: One array of indices for each axis, all of one shape.
+        texels: c, shape (rows, columns, …): splines of degree 3 down the rows, of degree 1 along
+            the columns.
+        cubic: Row indices, shape (n,).
+        linear: Column indices, likewise.
 
     Returns:
-        That shape.
+        Shape (n, …).
     """
-    return map_coordinates(texels, np.stack(positions), order=3, mode="nearest", prefilter=False)
+    row, column = np.floor(cubic).astype(int), np.floor(linear).astype(int)
+    t = cubic - row
+    s = linear - column
+    down = np.stack([(1 - t) ** 3, 4 - 3 * t**2 * (2 - t), 1 + 3 * t * (1 + t - t**2), t**3]) / 6
+    rows = np.clip(row[:, None] + np.arange(-1, 3), 0, texels.shape[0] - 1)
+    columns = np.clip(column[:, None] + np.arange(2), 0, texels.shape[1] - 1)
+    near = texels[rows[:, :, None], columns[:, None, :]]
+    return np.einsum("an,nb,nab...->n...", down, np.stack([1 - s, s], axis=-1), near)

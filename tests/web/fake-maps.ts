@@ -113,7 +113,7 @@ function fakeCells(): FakeArray[] {
 
 /** A baked pattern of one mode, for a roughness of 0.02 rad on gold. */
 export function fakeBaked(): FakeMap {
-  const constants = { modes: 1, u_max: 2, v_max: 2, coherent_max: 5.3, angular_radius: 0 }
+  const constants = { modes: 1, u_max: 2, v_max: 2, angular_radius: 0 }
   const recipe = { roughness: 0.02, coherence: 16.25, illuminant: 'D65', metal: 'gold' }
   const arrays: FakeArray[] = [
     {
@@ -136,10 +136,10 @@ export function fakeBaked(): FakeMap {
     },
     {
       name: 'coherent',
-      bytes: new Uint8Array(new Float32Array(8).buffer),
-      dtype: 'float32',
-      shape: [1, 8, 1],
-      axes: [axis('row', 1, 'linear', 0, 0), axis('w/lambda', 8, 'linear', 0, 5.3)],
+      bytes: halves(Array.from({ length: 3 * 8 * 4 }, () => 0.5)),
+      dtype: 'float16',
+      shape: [3, 8, 4],
+      axes: [axis('distance over deviation', 3, 'linear', 0, 5), axis('w', 8, 'linear', 0, 2)],
     },
   ]
   return makeMap('height-field-baked', constants, [...arrays, ...fakeCells()], recipe)

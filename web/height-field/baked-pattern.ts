@@ -11,7 +11,6 @@ import { DiffractionError } from '../errors'
 import { floatLiteral } from '../glsl/float-literal'
 import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load'
 import { sharedTexture, unfiltered } from '../maps/shared-texture'
-import { stepTexture } from '../maps/step-texture'
 import type { LightOptics, OpticsSettings } from '../surfaces/surface'
 import type { Pattern } from './optics'
 
@@ -47,13 +46,12 @@ export function bakedPattern(
       BAKED: '',
       MODE_GROUPS: groups!,
       WEIGHT_SAMPLES: samples!,
-      COHERENT_MAX: floatLiteral(constant('coherent_max')),
-      COHERENT_SAMPLES: arrayOf(relief, 'coherent').spec.shape[1]!,
+      COHERENT_REACH: floatLiteral(arrayOf(relief, 'coherent').spec.axes[0]!.last),
     },
     uniforms: {
       uModes: { value: modesTexture(relief) },
       uModeWeights: { value: weightsTexture(relief) },
-      uCoherentPower: { value: stepTexture(relief, 'coherent') },
+      uCoherent: { value: coherentTexture(relief) },
       uPatternReach: { value: new Vector2(constant('u_max'), constant('v_max')) },
       uPatternRadius: { value: constant('angular_radius') },
     },
@@ -77,7 +75,7 @@ function lightSize(angularRadius: number, baked: number): LightOptics {
   return { defines: {}, features: [{ feature: 'size of the lights', included, why }] }
 }
 
-/** B-spline coefficients over (u, v), three layers a group of four modes. */
+/** Spline coefficients over (u, v), three layers a group of four modes. */
 function modesTexture(relief: LoadedMap): DataArrayTexture {
   return sharedTexture(relief, 'modes', () => {
     const { spec, data } = arrayOf(relief, 'modes')
@@ -85,6 +83,18 @@ function modesTexture(relief: LoadedMap): DataArrayTexture {
     const texture = new DataArrayTexture(data, width, height, layers)
     texture.format = RGBAFormat
     texture.type = HalfFloatType
+    texture.minFilter = texture.magFilter = LinearFilter
+    texture.needsUpdate = true
+    return texture
+  })
+}
+
+/** Order 0 over w and the distance from its middle. */
+function coherentTexture(relief: LoadedMap): DataTexture {
+  return sharedTexture(relief, 'coherent', () => {
+    const { spec, data } = arrayOf(relief, 'coherent')
+    const [height, width] = spec.shape
+    const texture = new DataTexture(data, width, height, RGBAFormat, HalfFloatType)
     texture.minFilter = texture.magFilter = LinearFilter
     texture.needsUpdate = true
     return texture

@@ -30,11 +30,11 @@ const CONTENTS: Record<
     arrays: {
       modes: { rank: 4, channels: 4 },
       weights: { rank: 3, channels: 4 },
-      coherent: { rank: 3, channels: 1 },
+      coherent: { rank: 3, channels: 4 },
       places: { rank: 2, channels: 4 },
       powers: { rank: 3, channels: 1 },
     },
-    constants: { modes: 1, u_max: 1, v_max: 1, coherent_max: 1, angular_radius: 1 },
+    constants: { modes: 1, u_max: 1, v_max: 1, angular_radius: 1 },
   },
   'height-field-terms': {
     arrays: {
