@@ -62,12 +62,16 @@ SHARE, LARGEST_ERROR = 6.0, 6e-3
 """What modes left out may cost, and what the grid may, each: so many times the error of the recipe,
 which is of amplitudes, but no more than leaves the whole within 1 %."""
 
-RESOLVED_W = 1.3
-"""Least w at which the grid resolves lobes to that: both directions at 49°. Lobes are narrower at
-smaller w, and take more memory than the few pixels that see them are worth."""
+LINEAR_SHARE, CUBIC_SHARE = 4 / 3, 1 / 6
+"""Of that error at which splines along u and v resolve the narrowest lobe that they are to. The
+memory is about the same for all shares; cubic ones fail faster where lobes are narrower still."""
+
+LEAST_W, COARSEST_W = 0.8, 1.3
+"""Bounds of the least w at which the grid resolves lobes to that: both directions at 66° and 49°.
+Lobes are narrower at smaller w, and take more memory than the pixels that see them are worth."""
 
 LARGEST_GRID = 1024
-"""Texels along u: some 10 MB for four modes."""
+"""Texels along u: 15 MB for four modes."""
 
 SPECTRUM_ERROR = 1e-8
 """Largest error of |A|² interpolated in w/λ: small, since it starts as w², and is divided by that
@@ -107,8 +111,9 @@ COHERENT_STEP = 0.05
 """Change of η_0's fastest phase from one sample of order 0 to the next, rad, and of its lobe in
 deviations: straight lines are off by less than 0.05²/8 = 3e-4."""
 
-ERROR_DIRECTIONS = 200
-"""Pairs of directions in which the error is measured."""
+ERROR_DIRECTIONS, ERROR_ROUNDS = 500, 20
+"""Lights and views in which the error is measured; rounds to draw them, all but a few of which
+lie below the horizon where lines are far out."""
 
 FULL_SCALE = 1024.0
 """Largest texel of each mode: half floats keep all their bits down to 6e-5."""
@@ -138,11 +143,14 @@ def baked_map(
     """
     error = min(SHARE * recipe.error, LARGEST_ERROR)
     blur = _Blur.of(recipe)
-    steps = blur.grid_steps(error)
-    spectrum = _spectrum(field, blur, steps[1])
-    reach = np.minimum(spectrum.reach(REACH_SHARE) + blur.margin, DIRECTION_MAX)
-    u, v = _grid_axes(reach, steps, blur, file)
     weights = _weights(recipe, file)
+    spectrum = _spectrum(field, blur, blur.grid_steps(error, LEAST_W)[1])
+    if not spectrum.powers.any():
+        expected = "a relief with a period above 0.19 µm: this one diffracts no visible light"
+        raise InputError(file, "source", f"periods {field.period} µm", expected)
+    seen = _Seen.of(spectrum, blur, weights)
+    reach = np.minimum(spectrum.reach(REACH_SHARE) + blur.margin, DIRECTION_MAX)
+    u, v = _grid_axes(reach, blur, error, seen.resolved_w, file)
     sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), weights)
 
     nodes = _chebyshev_nodes(0, DIRECTION_MAX, _phase_nodes(field, SLICE_ERROR) + BLUR_NODES)
@@ -180,7 +188,7 @@ def baked_map(
             "coherence": recipe.coherence,
         },
     )
-    result.error = _error(result, spectrum, blur, weights)
+    result.error = seen.error(result)
     return result
 
 
@@ -212,10 +220,9 @@ class _Blur:
         source = self.angular_radius**2 * (1 + w**2 / 4) / 2
         return (w * self.roughness) ** 2 + source
 
-    @property
-    def narrowest(self) -> float:
-        """Deviation of the narrowest lobe that the grid is to resolve."""
-        return float(np.sqrt(WAVELENGTH_MIN**2 * self.window + self.variance(RESOLVED_W)))
+    def narrowest(self, w: float) -> float:
+        """Deviation of the narrowest lobe at w."""
+        return float(np.sqrt(WAVELENGTH_MIN**2 * self.window + self.variance(w)))
 
     @property
     def margin(self) -> float:
@@ -223,16 +230,16 @@ class _Blur:
         widest = WAVELENGTH_MAX**2 * self.window + self.variance(DIRECTION_MAX)
         return 5 * float(np.sqrt(widest))
 
-    def grid_steps(self, error: float) -> tuple[float, float]:
-        """Steps along u and v at which splines follow the narrowest lobe within an error.
+    def grid_steps(self, error: float, w: float) -> tuple[float, float]:
+        """Steps along u and v at which splines follow the narrowest lobe at w, to about an error.
 
         Relative, in the mean square. Linear splines are off by ‖f''‖Δ²/√720, which of a Gaussian f
         is √3 Δ²/(2τ²√720); cubic ones by what lies beyond the Nyquist frequency, where a Gaussian's
         spectrum has fallen to exp(−½π²τ²/Δ²).
         """
-        linear = np.sqrt(error * 2 * np.sqrt(720 / 3))
-        cubic = np.pi / np.sqrt(2 * np.log(1 / error))
-        return float(linear * self.narrowest), float(cubic * self.narrowest)
+        linear = np.sqrt(LINEAR_SHARE * error * 2 * np.sqrt(720 / 3))
+        cubic = np.pi / np.sqrt(-2 * np.log(CUBIC_SHARE * error))
+        return float(linear * self.narrowest(w)), float(cubic * self.narrowest(w))
 
 
 @dataclass(frozen=True)
@@ -351,35 +358,44 @@ def _smoothing(to: Array, of: Array, deviation: float) -> Singles:
 
 
 def _grid_axes(
-    reach: Array, steps: tuple[float, float], blur: _Blur, file: Path
+    reach: Array, blur: _Blur, error: float, resolved_w: float, file: Path
 ) -> tuple[Axis, Axis]:
     """The axes of u and v, or a refusal of so large a grid."""
-    axes = []
-    for symbol, name, half, step in zip(
-        "uv", ("along x", "along y"), reach.tolist(), steps, strict=True
-    ):
-        size = int(np.ceil(2 * half / step)) + 1
-        if size > LARGEST_GRID:
-            # That resolves all of the visible range, which is as much as can be asked for.
-            resolved = blur.narrowest / step * 2 * DIRECTION_MAX / (LARGEST_GRID - 2)
-            rest = resolved**2 - blur.narrowest**2 + (RESOLVED_W * blur.roughness) ** 2
-            least = np.ceil(1e4 * np.sqrt(rest) / RESOLVED_W) / 1e4
-            expected = (
-                f"at least {least:.4f} rad, or lines are too sharp for a table of {LARGEST_GRID} "
-                "texels along each axis; jacobi-anger serves sharp surfaces"
-            )
-            raise InputError(file, "roughness", blur.roughness, expected)
-        axes.append(
-            Axis(
-                name=f"sum of both directions {name}",
-                symbol=symbol,
-                unit="1",
-                size=size,
-                first=-half,
-                last=half,
-            )
+    for w in np.linspace(resolved_w, COARSEST_W, 6).tolist():
+        steps = blur.grid_steps(error, w)
+        sizes = np.ceil(2 * reach / steps).astype(int) + 1
+        if sizes.max() <= LARGEST_GRID:
+            break
+    else:
+        # That resolves all of the visible range, which is as much as can be asked for.
+        narrowest = blur.narrowest(COARSEST_W)
+        resolved = (
+            narrowest
+            / blur.grid_steps(error, COARSEST_W)[0]
+            * 2
+            * DIRECTION_MAX
+            / (LARGEST_GRID - 2)
         )
-    u, v = axes
+        rest = resolved**2 - narrowest**2 + (COARSEST_W * blur.roughness) ** 2
+        least = np.ceil(1e4 * np.sqrt(rest) / COARSEST_W) / 1e4
+        expected = (
+            f"at least {least:.4f} rad, or lines are too sharp for a table of {LARGEST_GRID} "
+            "texels along each axis; jacobi-anger serves sharp surfaces"
+        )
+        raise InputError(file, "roughness", blur.roughness, expected)
+    u, v = (
+        Axis(
+            name=f"sum of both directions {name}",
+            symbol=symbol,
+            unit="1",
+            size=size,
+            first=-half,
+            last=half,
+        )
+        for symbol, name, size, half in zip(
+            "uv", ("along x", "along y"), sizes.tolist(), reach.tolist(), strict=True
+        )
+    )
     return u, v
 
 
@@ -600,17 +616,62 @@ def _coherent(field: HeightField, blur: _Blur, weights: Array) -> Table:
     return Table(values, (r, w), ("X", "Y", "Z", "unused"))
 
 
-def _error(baked: Map, spectrum: _Spectrum, blur: _Blur, weights: Array) -> dict[str, float | str]:
-    """The stored tables against the sum that they are made from, in random directions."""
-    wi, wo = cosine_directions(ERROR_DIRECTIONS, 2), cosine_directions(ERROR_DIRECTIONS, 3)
-    uvw = wi + wo
-    factor = (1 + np.sum(wi * wo, axis=1, keepdims=True)) ** 2 / uvw[:, 2:] ** 2
-    exact = factor * np.stack([_direct_sum(spectrum, blur, weights, *d) for d in uvw.tolist()])
-    found = factor * BakedLookup(baked).pattern(*uvw.T)
-    return {
-        "relative_rms": float(np.sqrt(np.sum((found - exact) ** 2) / np.sum(exact**2))),
-        "against": f"sums over spatial frequencies by 1 nm, {len(uvw)} random lights and views",
-    }
+@dataclass(frozen=True)
+class _Seen:
+    """What is seen of a pattern where lines are lit, by which the grid is chosen and judged.
+
+    Views are as dense as their cosine; a line drawn by its power, at a wavelength drawn by its
+    weight in Y, says where the light stands.
+
+    Attributes:
+        uvw: ω_i + ω_o, shape (n, 3).
+        factor: What multiplies I to give f_r cosθ_i cosθ_o, shape (n, 1).
+        radiance: That, XYZ, shape (n, 3), by summing over the spectrum.
+    """
+
+    uvw: Array
+    factor: Array
+    radiance: Array
+
+    @staticmethod
+    def of(spectrum: _Spectrum, blur: _Blur, weights: Array) -> _Seen:
+        rng = np.random.default_rng(2)
+        power = np.maximum(spectrum.powers.mean(axis=0), 0).ravel().astype(np.float64)
+        frequencies = np.stack(np.meshgrid(spectrum.fx, spectrum.fy), axis=-1).reshape(-1, 2)
+        lights, views = np.empty((0, 3)), np.empty((0, 3))
+        for _ in range(ERROR_ROUNDS):
+            if len(lights) >= ERROR_DIRECTIONS:
+                break
+            wo = cosine_directions(ERROR_DIRECTIONS, int(rng.integers(2**31)))
+            line = rng.choice(len(power), len(wo), p=power / power.sum())
+            λ = rng.choice(WAVELENGTHS, len(wo), p=weights[:, 1] / weights[:, 1].sum())
+            tilt = rng.normal(size=(len(wo), 2)) * 2 * np.hypot(blur.roughness, blur.angular_radius)
+            xy = λ[:, None] * frequencies[line] + tilt - wo[:, :2]
+            above = np.sum(xy**2, axis=1) < 1
+            xy = xy[above]
+            wi = np.column_stack([xy, np.sqrt(1 - np.sum(xy**2, axis=1))])
+            lights, views = np.concatenate([lights, wi]), np.concatenate([views, wo[above]])
+        uvw = lights + views
+        factor = (1 + np.sum(lights * views, axis=1, keepdims=True)) ** 2 / uvw[:, 2:] ** 2
+        sums = [_direct_sum(spectrum, blur, weights, *at) for at in uvw.tolist()]
+        return _Seen(uvw, factor, factor * np.reshape(sums, (-1, 3)))
+
+    @property
+    def resolved_w(self) -> float:
+        """Least w to resolve: errors of the splines grow with 1/w² below, and so count."""
+        signal = np.sum(self.radiance**2, axis=1)
+        if not signal.any():
+            return COARSEST_W
+        w = float(np.sum(signal / self.uvw[:, 2] ** 4) / np.sum(signal)) ** -0.25
+        return float(np.clip(w, LEAST_W, COARSEST_W))
+
+    def error(self, baked: Map) -> dict[str, float | str]:
+        """The stored tables against the sums."""
+        found = self.factor * BakedLookup(baked).pattern(*self.uvw.T)
+        total = max(float(np.sum(self.radiance**2)), np.finfo(float).tiny)
+        off = np.sum((found - self.radiance) ** 2) / total
+        against = f"sums over spatial frequencies by 1 nm, {len(found)} lights and views"
+        return {"relative_rms": float(np.sqrt(off)), "against": against}
 
 
 def _direct_sum(

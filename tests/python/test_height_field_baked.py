@@ -262,6 +262,11 @@ def test_sharp_surfaces_are_refused_with_the_roughness_that_would_do() -> None:
     baked_map(field, recipe(0.0, angular_radius=2 * float(found[1])))
 
 
+def test_a_relief_without_visible_lines_is_refused() -> None:
+    with refused("height-field", "source", "periods (0.15, 0.15) µm", "period above 0.19"):
+        baked_map(generated(Cosine(height=0.02, period=0.15)), recipe())
+
+
 def test_a_spectrum_beside_the_recipe(tmp_path: Path) -> None:
     """A lamp of one wavelength: the pattern has the colour of that wavelength."""
     rows = ["wavelength_um,power", "0.597,0", "0.6,1", "0.603,0"]
