@@ -10,6 +10,9 @@ from precompute.report.scenes import Scene
 from precompute.report.shader_cost import StaticCost
 from precompute.report.timing import Times
 
+SHARED_TABLES = frozenset(["uLightNodes", "uEnvironmentNodes", "uLobeTable"])
+"""Uniforms of tables that belong to the light, whatever the surface."""
+
 
 @dataclass(frozen=True)
 class MethodResult:
@@ -17,13 +20,23 @@ class MethodResult:
 
     Attributes:
         comparison: Its error.
-        texture_bytes: Size of the tables that its shader reads.
+        tables: Bytes of each table that its shader reads, by the uniform's name.
         static: Instructions of its shader, None where they could not be counted.
     """
 
     comparison: Comparison
-    texture_bytes: int
+    tables: dict[str, int]
     static: StaticCost | None
+
+    @property
+    def texture_bytes(self) -> int:
+        """Size of all the tables."""
+        return sum(self.tables.values())
+
+    @property
+    def own_bytes(self) -> int:
+        """Size of those that are the surface's: spectra and lobes serve all surfaces."""
+        return sum(size for name, size in self.tables.items() if name not in SHARED_TABLES)
 
 
 @dataclass(frozen=True)
@@ -39,6 +52,10 @@ class SceneResult:
         rows = [self._row(index) for index in range(len(self.methods))]
         mark_pareto(rows)
         return rows
+
+    def first(self, method: str) -> str:
+        """Name, among the timed materials, of the scene's first method of that name."""
+        return next(str(i) for i, m in enumerate(self.scene.methods) if m.method == method)
 
     def _row(self, index: int) -> Row:
         method, result = self.scene.methods[index], self.methods[index]

@@ -2,46 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-
+from precompute.report.bake_cost import COMPARED_SIZE
+from precompute.report.bars import Bar
+from precompute.report.grating_bars import grating_bars
+from precompute.report.height_field_bars import height_field_bars
 from precompute.report.measurements import SceneResult
 from precompute.report.pictures import DIFFERENCE_GAIN
-from precompute.report.rows import Report, Row
+from precompute.report.rows import BakeCost, Report, Row, Stability
+from precompute.report.stability import PHASE_SAMPLES
 from precompute.report.timing import FRAMES, IRIDESCENT, LAUNCHES, STANDARD, WITHOUT
 
-TIMED_SCENE = "plane-directional"
-"""The scene whose times are held against the bars: a plane under one directional light."""
-
-
-@dataclass(frozen=True)
-class Bar:
-    """Something asked for, and what is measured.
-
-    Attributes:
-        asked: What, in words.
-        limit: The largest value that meets it; None where no bar is set.
-        value: What was measured.
-        where: In which scene, at its worst.
-        digits: Format of both numbers.
-    """
-
-    asked: str
-    limit: float | None
-    value: float
-    where: str
-    digits: str = ".3g"
-
-    @property
-    def is_met(self) -> bool:
-        return self.limit is None or self.value <= self.limit
-
-    def cells(self) -> list[str]:
-        value = format(self.value, self.digits)
-        if self.limit is None:
-            return [self.asked, "none set", value, "", self.where]
-        verdict = "met" if self.is_met else "**missed**"
-        return [self.asked, f"≤ {format(self.limit, self.digits)}", value, verdict, self.where]
+BAKE_PICTURE = "bake-cost.png"
+"""File of the picture of `_bake_cost`, beside index.md."""
 
 
 def index_page(report: Report, results: dict[str, SceneResult], lacking: list[str]) -> str:
@@ -52,7 +24,7 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
         results: The scenes they come from, by name.
         lacking: Debian packages without which instructions were not counted.
     """
-    bars = list(all_bars(report, results))
+    bars = all_bars(report, results)
     held = [bar for bar in bars if bar.limit is not None]
     met = sum(bar.is_met for bar in held)
     parts = [
@@ -68,18 +40,11 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
         "Luminance over that of a polished surface of the same metal, on a sphere up to 89°.\n",
         _table(
             ["case", "pixels", "not finite", "negative", "largest", "RMS from 1"],
-            [
-                [
-                    entry.case,
-                    str(entry.samples),
-                    str(entry.non_finite),
-                    str(entry.negative_energy),
-                    f"{entry.max_albedo:.5f}",
-                    f"{entry.rel_rmse:.2g}",
-                ]
-                for entry in report.stability
-            ],
+            [_stability_cells(entry, ".5f") for entry in report.furnaces()],
         ),
+        *_height_field_stability(report),
+        *_table_memory(results),
+        *_bake_cost(report.bake_cost),
         *_left_out(report),
         "## Scenes\n",
         f"Pictures show reference, result and {DIFFERENCE_GAIN} × their difference.\n",
@@ -88,88 +53,9 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
     return "\n".join(parts)
 
 
-def all_bars(report: Report, results: dict[str, SceneResult]) -> Iterable[Bar]:
+def all_bars(report: Report, results: dict[str, SceneResult]) -> list[Bar]:
     """Every bar that these scenes can be held against."""
-    closed = [row for row in report.rows if row.method == "closed-form"]
-    lit = [row for row in closed if row.lighting in ("directional", "point")]
-    around = [row for row in closed if row.lighting in ("environment", "mixed")]
-    loops = [row for row in report.rows if row.method == "wavelength-loop"]
-    fine = [row for row in loops if row.knobs.get("wavelength_step") == 0.001]
-    arcs = [row for row in report.rows if row.knobs.get("environment_nodes") == 401]
-    yield from _worst("closed form under lights, relative RMSE", lit, "rel_rmse", 0.01)
-    yield from _worst("closed form under lights, ΔE2000 p95", lit, "delta_e2000_p95", 1)
-    yield from _worst("closed form in environments, relative RMSE", around, "rel_rmse", None)
-    yield from _worst("closed form in environments, ΔE2000 p95", around, "delta_e2000_p95", None)
-    yield from _worst("loop at 1 nm, relative RMSE", fine, "rel_rmse", 0.01)
-    yield from _worst("environment by 401 nodes, relative RMSE", arcs, "rel_rmse", 0.005)
-    if report.stability:
-        worst = max(report.stability, key=lambda entry: entry.max_albedo)
-        asked = "white furnace, largest albedo over the metal's"
-        yield Bar(asked, 1.001, worst.max_albedo, worst.case, ".5f")
-    if TIMED_SCENE in results:
-        result = results[TIMED_SCENE]
-        ours, loop = _first(result, "closed-form"), _first(result, "wavelength-loop")
-        added = result.times.ratio(ours, over=loop, beyond=WITHOUT)
-        frame = result.times.ratio(ours, over=IRIDESCENT)
-        yield Bar("added time, closed form over loop of 5 nm", 0.1, added, TIMED_SCENE)
-        yield Bar("whole frame over iridescent MeshPhysicalMaterial", 1.2, frame, TIMED_SCENE)
-    frames: dict[str, float] = {}
-    shares: dict[str, float] = {}
-    for name, result in results.items():
-        scene = result.scene
-        if scene.surface == "height_field" or scene.lighting not in ("directional", "point"):
-            continue
-        ours, loop = _first(result, "closed-form"), _first(result, "wavelength-loop")
-        frames[name] = result.times.ratio(ours, over=IRIDESCENT)
-        shares[name] = result.times.ratio(ours, over=loop, beyond=WITHOUT)
-    for asked, ratios in (("added time", shares), ("whole frame", frames)):
-        if ratios:
-            worst = max(ratios, key=lambda name: ratios[name])
-            yield Bar(f"{asked}, likewise, of all scenes under lights", None, ratios[worst], worst)
-    yield from _height_field_bars(report, results)
-
-
-def _height_field_bars(report: Report, results: dict[str, SceneResult]) -> Iterable[Bar]:
-    """Bars of height fields: each method's error, and its added time over the seed's."""
-    fields = {
-        name: result for name, result in results.items() if result.scene.surface == "height_field"
-    }
-    for method, share in (("line-sum", 0.1), ("jacobi-anger", 0.5), ("baked", 0.01)):
-        rows = [
-            row
-            for row in report.rows
-            if row.scene in fields
-            and row.method == method
-            and row.lighting in ("directional", "point")
-        ]
-        yield from _worst(f"height fields by {method}, relative RMSE", rows, "rel_rmse", 0.01)
-        ratios = {}
-        for name, result in fields.items():
-            methods = result.scene.methods
-            ours = [str(i) for i, m in enumerate(methods) if m.method == method]
-            seeds = [str(i) for i, m in enumerate(methods) if m.seed]
-            # What is asked of the others is asked without roughness.
-            is_rough = result.scene.description.get("material", {}).get("roughness", 0) > 0
-            if ours and seeds and is_rough == (method == "baked"):
-                ratios[name] = result.times.ratio(ours[0], over=seeds[0], beyond=WITHOUT)
-        if ratios:
-            worst = max(ratios, key=lambda name: ratios[name])
-            asked = f"added time, {method} over the seed's series"
-            yield Bar(asked, share, ratios[worst], worst)
-            if method == "baked":
-                frame = fields[worst].times.ratio("0", over=IRIDESCENT)
-                yield Bar("whole frame, baked, over iridescence", 1.5, frame, worst)
-
-
-def _worst(asked: str, rows: list[Row], figure: str, limit: float | None) -> Iterable[Bar]:
-    if rows:
-        worst = max(rows, key=lambda row: getattr(row, figure))
-        yield Bar(asked, limit, getattr(worst, figure), worst.scene)
-
-
-def _first(result: SceneResult, method: str) -> str:
-    """Name, among the timed materials, of the scene's first method of that name."""
-    return next(str(i) for i, m in enumerate(result.scene.methods) if m.method == method)
+    return [*grating_bars(report, results), *height_field_bars(report, results)]
 
 
 def _method_of_measurement(lacking: list[str]) -> str:
@@ -190,6 +76,8 @@ def _method_of_measurement(lacking: list[str]) -> str:
   frames over that of {STANDARD} in the same launch; the median, least and most of
   {LAUNCHES} launches. The material maps its colours into the gamut, as it does by default.
 - {static}
+- A bar of a height field's method holds for the settings that err least in each scene, and its
+  time is that of the fastest settings within the bar of the error.
 - Bytes are those of all tables that the shader reads, but for the environment itself.
 - *seed* marks a method of the papers, *front* a row that no other beats in both error and time.
 """
@@ -221,6 +109,94 @@ def _added_times(results: dict[str, SceneResult]) -> str:
         "frame / standard",
     ]
     return _table(header, rows)
+
+
+def _stability_cells(entry: Stability, digits: str) -> list[str]:
+    albedo, error = entry.max_albedo, entry.rel_rmse
+    return [
+        entry.case,
+        str(entry.samples),
+        str(entry.non_finite),
+        str(entry.negative_energy),
+        "–" if albedo is None else format(albedo, digits),
+        "–" if error is None else f"{error:.2g}",
+    ]
+
+
+def _height_field_stability(report: Report) -> list[str]:
+    rows = [
+        [
+            entry.method,
+            {"fp16": "halves", "fp32": "floats"}[entry.float],
+            *_stability_cells(entry, ".4f"),
+            "" if entry.refused is None else f"refused, asking for {entry.refused}",
+        ]
+        for entry in report.stability
+        if entry.method != "closed-form"
+    ]
+    if not rows:
+        return []
+    header = ["method", "tables", "case", "samples", "not finite", "negative", "largest"]
+    text = f"""Series: amplitudes of all lines at {PHASE_SAMPLES} values of x, summed in float32 as
+the shader does, against float64; the largest share of the light in all lines, and the largest
+relative RMSE at any x. Taylor's tables are baked as floats alone: rounded to halves they lose more.
+The baked pattern: radiance where both directions graze.
+"""
+    return [
+        "## Height fields at the edges\n",
+        text,
+        _table([*header, "relative RMSE", "bake"], rows),
+    ]
+
+
+def _table_memory(results: dict[str, SceneResult]) -> list[str]:
+    sizes: dict[tuple[str, str, str], tuple[int, int]] = {}
+    for result in results.values():
+        scene = result.scene
+        if scene.surface != "height_field":
+            continue
+        lighting = "environment" if scene.lighting == "environment" else "lights"
+        for method, drawn in zip(scene.methods, result.methods, strict=True):
+            key = scene.field, method.method, lighting
+            least = drawn.own_bytes, drawn.texture_bytes
+            sizes[key] = min(sizes.get(key, least), least)
+    if not sizes:
+        return []
+    rows = [[*key, str(own), str(whole)] for key, (own, whole) in sorted(sizes.items())]
+    header = ["field", "method", "under", "its own tables, bytes", "with the light's"]
+    return ["## Tables of height fields\n", _table(header, rows)]
+
+
+def _bake_cost(costs: list[BakeCost]) -> list[str]:
+    if not costs:
+        return []
+    steps = {cost.size: cost.seconds_per_step for cost in costs}
+    rows = [
+        [
+            f"{cost.size}²",
+            f"{cost.seconds:.2f}",
+            f"{cost.baking_seconds:.2f}",
+            f"{cost.seconds_per_step / steps[COMPARED_SIZE]:.2f}",
+            f"{cost.peak_bytes / 1e6:.0f}",
+            f"{cost.map_bytes / 1e6:.2f}",
+        ]
+        for cost in costs
+    ]
+    header = [
+        "samples",
+        "seconds",
+        "of them baking",
+        f"per n log n, over {COMPARED_SIZE}²",
+        "peak memory, MB",
+        "map, MB",
+    ]
+    return [
+        "## Baking a height field\n",
+        f"`diffraction bake` of {costs[0].terms} terms of Jacobi–Anger, each in a process of its "
+        "own; what is not baking is starting Python. n is the number of samples.\n",
+        _table(header, rows),
+        f"![time and memory over size]({BAKE_PICTURE})\n",
+    ]
 
 
 def _left_out(report: Report) -> list[str]:

@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from precompute.report.bake_cost import COMPARED_SIZE
 from precompute.report.comparison import Comparison
-from precompute.report.rows import Row
+from precompute.report.rows import BakeCost, Row
 
 Array = NDArray[np.float64]
 
@@ -81,4 +82,35 @@ def draw_pareto(rows: list[Row], labels: list[str], file: Path) -> None:
     axes.set_xlabel("frame time / MeshStandardMaterial")
     axes.set_ylabel("relative RMSE")
     axes.grid(alpha=0.3)
+    figure.savefig(file, metadata={"Software": None})
+
+
+def draw_bake_cost(costs: list[BakeCost], file: Path) -> None:
+    """Time and peak memory of baking over the number of samples, with a line that grows as n log n.
+
+    Args:
+        costs: One of each size; the line goes through that of `COMPARED_SIZE`.
+        file: Where the PNG goes.
+    """
+    figure = Figure(figsize=(6.4, 3.2), dpi=100, layout="constrained")
+    seconds, memory = figure.subplots(1, 2)
+    sizes = np.array([cost.size for cost in costs])
+    samples = sizes.astype(np.float64) ** 2
+    step = next(cost.seconds_per_step for cost in costs if cost.size == COMPARED_SIZE)
+    growth = step * samples * np.log2(samples)
+    seconds.plot(sizes, growth, color="grey", linewidth=1, label="n log n")
+    baking = [cost.baking_seconds for cost in costs]
+    seconds.scatter(sizes, baking, color="tab:blue", zorder=2, label="baking")
+    whole = [cost.seconds for cost in costs]
+    seconds.scatter(sizes, whole, color="tab:orange", zorder=2, label="whole command")
+    seconds.set_ylabel("s")
+    seconds.legend(fontsize=8)
+    memory.scatter(sizes, [cost.peak_bytes / 1e6 for cost in costs], color="tab:blue", zorder=2)
+    memory.set_ylabel("peak memory, MB")
+    for axes in (seconds, memory):
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        axes.set_xlabel("samples along a side")
+        axes.set_xticks(sizes, [str(size) for size in sizes])
+        axes.grid(alpha=0.3)
     figure.savefig(file, metadata={"Software": None})

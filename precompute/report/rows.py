@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import log2
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,6 +15,8 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Ratio = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=0)]
+Missing = Field(default=None, exclude_if=lambda value: value is None)
+"""A field that report.json leaves out where there is nothing to say; others are null."""
 
 
 class _Entry(BaseModel):
@@ -55,7 +58,7 @@ class Row(_Entry):
     time_ratio: Ratio
     time_ratio_min: Ratio
     time_ratio_max: Ratio
-    static: StaticCost | None = None
+    static: StaticCost | None = Missing
     texture_bytes: Count
     pareto: bool = False
 
@@ -64,14 +67,18 @@ class Stability(_Entry):
     """A case at the edge of what a method is for.
 
     Attributes:
-        case: What is drawn.
+        case: What is drawn or summed.
         method: By which method.
-        samples: Number of pixels.
+        samples: Number of pixels, of amplitudes of lines, or of pairs of directions; 0 where the
+            method is refused.
         non_finite: Of them NaN or infinite.
         negative_energy: Of them with negative luminance.
-        max_albedo: Largest share of the light that is returned, over the metal's own.
-        rel_rmse: Root mean square of the albedo's distance from 1.
-        float: Precision of the shader's numbers.
+        max_albedo: Largest share of the light that is returned, over the metal's own; ``null``
+            where it was not measured.
+        rel_rmse: In a furnace the root mean square of the albedo's distance from 1, else the
+            relative one against float64; ``null`` where there is nothing to compare.
+        float: Precision of the method's tables; it reckons in fp32.
+        refused: What the bake says in place of making a map; missing where it makes one.
     """
 
     case: str
@@ -79,9 +86,10 @@ class Stability(_Entry):
     samples: Count
     non_finite: Count
     negative_energy: Count
-    max_albedo: Finite
-    rel_rmse: Share
+    max_albedo: Finite | None
+    rel_rmse: Share | None
     float: Literal["fp16", "fp32"]
+    refused: str | None = Missing
 
 
 class LeftOut(_Entry):
@@ -126,10 +134,36 @@ class Acquisition(_Entry):
     truth: Finite
     value: Finite
     spread: Share
-    paper: Finite | None = None
-    paper_spread: Share | None = None
+    paper: Finite | None = Missing
+    paper_spread: Share | None = Missing
     photographs: Count
     noise_db: Finite
+
+
+class BakeCost(_Entry):
+    """`diffraction bake` of one series of a square height field.
+
+    Attributes:
+        size: Samples along each side.
+        terms: Of the series.
+        seconds: From the start of the command to its end.
+        baking_seconds: Of these, once Python and its modules were loaded.
+        peak_bytes: Most memory it held.
+        map_bytes: Size of the files it wrote.
+    """
+
+    size: Annotated[int, Field(ge=2)]
+    terms: Count
+    seconds: Ratio
+    baking_seconds: Ratio
+    peak_bytes: Count
+    map_bytes: Count
+
+    @property
+    def seconds_per_step(self) -> float:
+        """Time of baking over n log₂ n, n being the number of samples."""
+        samples = self.size**2
+        return self.baking_seconds / (samples * log2(samples))
 
 
 class Report(_Entry):
@@ -143,10 +177,15 @@ class Report(_Entry):
     stability: list[Stability] = []
     left_out: list[LeftOut] = []
     acquisition: list[Acquisition] = []
+    bake_cost: list[BakeCost] = []
+
+    def furnaces(self) -> list[Stability]:
+        """The white furnaces, which are drawn by the closed form."""
+        return [entry for entry in self.stability if entry.method == "closed-form"]
 
     def to_json(self) -> str:
         """The file's text."""
-        return self.model_dump_json(indent=1, exclude_none=True) + "\n"
+        return self.model_dump_json(indent=1) + "\n"
 
 
 def mark_pareto(rows: list[Row]) -> None:

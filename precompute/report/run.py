@@ -15,14 +15,16 @@ from rich.progress import Progress
 
 from precompute.renderings import Rendering, reference_xyz
 from precompute.report import browser
+from precompute.report.bake_cost import SIZES, bake_cost
 from precompute.report.comparison import compare
 from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
 from precompute.report.measurements import MethodResult, SceneResult, white_light_saves
-from precompute.report.page import index_page
-from precompute.report.pictures import draw_comparison, draw_pareto
-from precompute.report.rows import Report, Stability
-from precompute.report.scenes import METHOD_OPTIONS, Scene
+from precompute.report.page import BAKE_PICTURE, index_page
+from precompute.report.pictures import draw_bake_cost, draw_comparison, draw_pareto
+from precompute.report.rows import BakeCost, Report, Stability
+from precompute.report.scenes import METHOD_OPTIONS, Scene, read_scenes
 from precompute.report.shader_cost import StaticCost, missing_packages, static_cost
+from precompute.report.stability import CASES, GRAZING, grazing_stability, series_stability
 from precompute.report.timing import LAUNCHES, Times, timing_request
 
 MAPS = browser.ROOT / "maps" / "baked"
@@ -55,17 +57,25 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
         _render(scenes, work, progress)
         methods = _compare(scenes, work, progress, count=not lacking)
         furnaces = {name: Rendering.read(work, _furnace(name)) for name in PROFILES}
+        stability = _stability(furnaces, progress)
         times = _time(scenes, work, progress)
+        costs = _bake(progress) if is_whole(scenes) else []
     results = {s.name: SceneResult(s, methods[s.name], times[s.name]) for s in scenes}
     report = Report(
         backend=furnaces[PROFILES[0]].backend,
         threads=THREADS,
         rows=[row for result in results.values() for row in result.rows()],
-        stability=[_stability(name, measure_furnace(drawn)) for name, drawn in furnaces.items()],
+        stability=stability,
         left_out=white_light_saves(results),
+        bake_cost=costs,
     )
     _write(report, results, output, lacking)
     return report
+
+
+def is_whole(scenes: list[Scene]) -> bool:
+    """Whether these are all scenes: what a bake costs depends on none of them, and comes last."""
+    return scenes == read_scenes(SCENES)
 
 
 @contextmanager
@@ -108,7 +118,7 @@ def _compare(
             results[scene.name] = tuple(
                 MethodResult(
                     comparison=compare(rendering, reference),
-                    texture_bytes=_texture_bytes(work / f"{name}.json"),
+                    tables=_tables(work / f"{name}.json"),
                     static=_static(work / f"{name}.frag") if count else None,
                 )
                 for name, rendering in zip(names, renderings, strict=True)
@@ -117,8 +127,9 @@ def _compare(
     return results
 
 
-def _texture_bytes(file: Path) -> int:
-    return sum(table["bytes"] for table in json.loads(file.read_text("utf-8"))["tables"])
+def _tables(file: Path) -> dict[str, int]:
+    tables = json.loads(file.read_text("utf-8"))["tables"]
+    return {table["uniform"]: table["bytes"] for table in tables}
 
 
 def _static(file: Path) -> StaticCost:
@@ -136,7 +147,28 @@ def _time(scenes: list[Scene], work: Path, progress: Progress) -> dict[str, Time
     return times
 
 
-def _stability(profile: str, furnace: Furnace) -> Stability:
+def _stability(furnaces: dict[str, Rendering], progress: Progress) -> list[Stability]:
+    entries = [_furnace_entry(name, measure_furnace(drawn)) for name, drawn in furnaces.items()]
+    with _stage(progress, "Stability", len(CASES) + len(GRAZING)) as advance:
+        for case in CASES:
+            entries.append(series_stability(*case))
+            advance()
+        for degrees in GRAZING:
+            entries.append(grazing_stability(MAPS, degrees))
+            advance()
+    return entries
+
+
+def _bake(progress: Progress) -> list[BakeCost]:
+    costs = []
+    with _stage(progress, "Baking", len(SIZES)) as advance:
+        for size in SIZES:
+            costs.append(bake_cost(size))
+            advance()
+    return costs
+
+
+def _furnace_entry(profile: str, furnace: Furnace) -> Stability:
     return Stability(
         case=f"white furnace to 89°, {profile}, period 1 µm, height 0.3 µm",
         method="closed-form",
@@ -159,6 +191,8 @@ def _write(
     try:
         (aside / "report.json").write_text(report.to_json(), "utf-8")
         (aside / "index.md").write_text(index_page(report, results, lacking), "utf-8")
+        if report.bake_cost:
+            draw_bake_cost(report.bake_cost, aside / BAKE_PICTURE)
         for name, result in results.items():
             labels = [method.label for method in result.scene.methods]
             draw_pareto(result.rows(), labels, aside / f"{name}.png")

@@ -129,6 +129,11 @@ class Scene(BaseModel):
         return "height_field" if kind == "height-field" else kind
 
     @property
+    def field(self) -> str:
+        """Name of the height field that the surface shows."""
+        return Path(self.description["surface"]["field"]).name.removeprefix("height-field-")
+
+    @property
     def lighting(self) -> Lighting:
         """The one kind of its lights, or ``mixed``."""
         kinds = {light["kind"] for light in self.description.get("lights", [])}

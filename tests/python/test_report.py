@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +14,22 @@ from pydantic import ValidationError
 from rich.console import Console
 
 from precompute.errors import InputError
+from precompute.height_fields.expansion import Expansion
+from precompute.height_fields.generate import generated
+from precompute.height_fields.recipe import HeightFieldRecipe
+from precompute.height_fields.terms import terms_map
+from precompute.recipes import read_recipe
 from precompute.renderings import Rendering
-from precompute.report import browser
+from precompute.report import bake_cost, browser
+from precompute.report.bake_cost import SIZES, BakeError, bake_recipe, measured
+from precompute.report.bars import Bar, worst
 from precompute.report.comparison import Comparison, compare
 from precompute.report.furnace import measure_furnace
 from precompute.report.measurements import MethodResult, SceneResult
-from precompute.report.page import Bar, all_bars, index_page
-from precompute.report.rows import Report, Row, mark_pareto
-from precompute.report.run import SCENES, make_report
+from precompute.report.page import BAKE_PICTURE, all_bars, index_page
+from precompute.report.pictures import draw_bake_cost
+from precompute.report.rows import BakeCost, Report, Row, Stability, mark_pareto
+from precompute.report.run import SCENES, is_whole, make_report
 from precompute.report.scenes import Method, Scene, read_scenes
 from precompute.report.shader_cost import (
     StaticCost,
@@ -27,6 +37,7 @@ from precompute.report.shader_cost import (
     missing_packages,
     static_cost,
 )
+from precompute.report.stability import compared, relief, series_stability, with_tables_in
 from precompute.report.timing import IRIDESCENT, STANDARD, WITHOUT, Times, timing_request
 
 ROW: dict[str, Any] = {
@@ -79,7 +90,7 @@ def test_a_row_is_written_as_it_is_read() -> None:
     assert written["rows"] == [ROW]
     assert list(written) == [
         *("generated_by", "version", "backend", "threads", "rows"),
-        *("stability", "left_out", "acquisition"),
+        *("stability", "left_out", "acquisition", "bake_cost"),
     ]
     assert Report.model_validate(written) == report
 
@@ -307,8 +318,8 @@ def result(tmp_path: Path, name: str) -> SceneResult:
     comparison = Comparison(0.004, 0.1, 0.6, 0.003, 16, 12, np.zeros((2, 4, 4, 3)))
     launch = {STANDARD: 1.0, IRIDESCENT: 2.0, WITHOUT: 0.5, "0": 3.0, "1": 10.5}
     methods = (
-        MethodResult(comparison, 100, None),
-        MethodResult(comparison, 50, StaticCost(alu=1)),
+        MethodResult(comparison, {"uLobeTable": 100}, None),
+        MethodResult(comparison, {"uEfficiencyTable": 50}, StaticCost(alu=1)),
     )
     return SceneResult(scene, methods, Times([launch]))
 
@@ -335,6 +346,254 @@ def test_the_page_says_where_a_bar_is_missed(tmp_path: Path) -> None:
 def test_a_bar_is_met_at_its_limit() -> None:
     assert Bar("error", 0.01, 0.01, "").is_met
     assert not Bar("error", 0.01, 0.0101, "").is_met
+
+
+FIELD_METHODS: list[dict[str, Any]] = [
+    {"method": "line-sum"},
+    {"method": "jacobi-anger", "knobs": {"wavelength_step": 0.005}},
+    {"method": "jacobi-anger", "knobs": {"wavelength_step": 0.001}},
+    {"method": "taylor", "seed": True},
+    {"method": "baked"},
+]
+
+
+def field_result(
+    tmp_path: Path, name: str, errors: Sequence[float], frames: Sequence[float], **changes: Any
+) -> SceneResult:
+    """A height field drawn by the first of `FIELD_METHODS`, added times being frames less one."""
+    drawn_by = changes.pop("methods", FIELD_METHODS)[: len(errors)]
+    surface = {"kind": "height-field", "field": changes.pop("field", "bumps")}
+    file = written(tmp_path, surface=surface, methods=drawn_by, **changes)
+    scene = Scene.read(file).model_copy(update={"name": name})
+    methods = [
+        MethodResult(
+            Comparison(error, 0.1, 0.6, 0.003, 16, 12, np.zeros((2, 4, 4, 3))),
+            {"uTerms": 1000 * (i + 1), "uLobeTable": 64512},
+            None,
+        )
+        for i, error in enumerate(errors)
+    ]
+    launch = {STANDARD: 1.5, IRIDESCENT: 2.0, WITHOUT: 1.0}
+    launch |= {str(i): frame for i, frame in enumerate(frames)}
+    return SceneResult(scene, tuple(methods), Times([launch]))
+
+
+def field_bars(*drawn: SceneResult, **report: Any) -> dict[str, Bar]:
+    made = Report(
+        backend="llvmpipe", threads=1, rows=[row for d in drawn for row in d.rows()], **report
+    )
+    return {bar.asked: bar for bar in all_bars(made, {d.scene.name: d for d in drawn})}
+
+
+def test_a_method_counts_by_the_settings_that_err_least_in_its_worst_field(tmp_path: Path) -> None:
+    bumps = field_result(tmp_path, "sharp", [0.002, 0.03, 0.004, 0.003], [2, 6, 11, 21])
+    blazed = field_result(tmp_path, "steep", [0.016, 0.002], [2, 6], field="blazed")
+    around = field_result(
+        *(tmp_path, "studio", [0.2], [2]),
+        **{"lights": [], "environment": {"asset": "studio"}},
+    )
+    bars = field_bars(bumps, blazed, around)
+    lines = bars["height fields by line-sum, relative RMSE"]
+    assert (lines.value, lines.where, lines.is_met) == (0.016, "blazed, steep", False)
+    series = bars["height fields by jacobi-anger, relative RMSE"]
+    assert (series.value, series.where, series.is_met) == (0.004, "bumps, sharp", True)
+    assert bars["height fields by taylor, relative RMSE"].value == 0.003
+    assert "height fields by baked, relative RMSE" not in bars
+    studio = bars["height fields in environments, relative RMSE"]
+    assert (studio.value, studio.limit) == (0.2, None)
+
+
+def test_speed_is_compared_at_equal_error(tmp_path: Path) -> None:
+    sharp = field_result(tmp_path, "sharp", [0.002, 0.03, 0.004, 0.003], [2, 6, 11, 21])
+    bars = field_bars(sharp)
+    # The step of 5 nm is faster, and not within a hundredth.
+    assert bars["added time, jacobi-anger over the seed's series"].value == pytest.approx(0.5)
+    assert bars["added time, line-sum over the seed's series"].value == pytest.approx(0.05)
+    wrong = field_result(tmp_path, "sharp", [0.02, 0.03, 0.04, 0.003], [2, 6, 11, 21])
+    assert not any(asked.startswith("added time") for asked in field_bars(wrong))
+
+
+def test_the_baked_pattern_is_timed_with_roughness_and_others_without(tmp_path: Path) -> None:
+    rough = field_result(
+        *(tmp_path, "height-field-bumps-rough", [0.003, 0.002, 0.001], [1.5, 3, 101]),
+        methods=[FIELD_METHODS[4], FIELD_METHODS[0], FIELD_METHODS[3]],
+        material={"roughness": 0.0175},
+    )
+    bars = field_bars(rough)
+    assert bars["added time, baked over the seed's series"].value == pytest.approx(0.005)
+    assert "added time, line-sum over the seed's series" not in bars
+    assert bars["whole frame, baked, over iridescence"].value == pytest.approx(0.75)
+    memory = bars["tables of the baked pattern at 1° of roughness, MB"]
+    assert memory.value == pytest.approx(0.065512)
+    page = index_page(Report(backend="", threads=1, rows=rough.rows()), {"rough": rough}, [])
+    # The light's tables are told from the field's.
+    assert "| bumps | baked | lights | 1000 | 65512 |" in page
+
+
+def test_every_shipped_field_is_drawn_by_every_method_it_is_baked_for() -> None:
+    drawn: dict[str, set[str]] = {}
+    for scene in read_scenes(SCENES):
+        if scene.surface == "height_field" and scene.lighting != "environment":
+            drawn.setdefault(scene.field, set()).update(m.method for m in scene.methods)
+    files = sorted((browser.ROOT / "maps" / "recipes").glob("height-field-*.json"))
+    assert files
+    for file in files:
+        recipe = read_recipe(file)
+        assert isinstance(recipe, HeightFieldRecipe)
+        expected = {"line-sum", *recipe.methods}
+        assert drawn[file.stem.removeprefix("height-field-")] >= expected, file
+
+
+def test_a_worst_figure_says_where() -> None:
+    (bar,) = worst("error", [("one", 0.1), ("two", 0.3), ("three", 0.2)], 0.2)
+    assert (bar.where, bar.value, bar.is_met) == ("two", 0.3, False)
+    assert list(worst("error", [], 0.2)) == []
+
+
+@pytest.mark.parametrize("precision", ["fp16", "fp32"])
+def test_the_stability_of_a_series_is_measured(precision: Any) -> None:
+    entry = series_stability("jacobi-anger", precision, 10.0)
+    assert (entry.non_finite, entry.refused) == (0, None)
+    assert entry.samples > 0
+    assert entry.rel_rmse is not None and entry.rel_rmse <= 0.02
+    # All the power of |exp(ikwh)|² = 1 is in the lines.
+    assert entry.max_albedo == pytest.approx(1, abs=1e-3)
+
+
+def test_where_taylor_is_refused_the_row_says_so_and_the_page_too() -> None:
+    taken, refused = (series_stability("taylor", "fp32", phase) for phase in (6.5, 10.0))
+    assert taken.refused is None
+    assert taken.rel_rmse is not None and taken.rel_rmse <= 0.02
+    assert refused.refused is not None and "jacobi-anger" in refused.refused
+    report = Report(backend="", threads=1, rows=[], stability=[taken, refused])
+    rows = json.loads(report.to_json())["stability"]
+    assert "refused" not in rows[0]
+    assert rows[1]["rel_rmse"] is None and rows[1]["max_albedo"] is None
+    assert "refused, asking for jacobi-anger: at x = k w Δ = 20.0" in index_page(report, {}, [])
+
+
+def test_planted_errors_of_amplitudes_are_seen() -> None:
+    exact = np.array([[1, 0], [0.6, 0.8j]], complex)
+    found = exact.astype(np.complex64)
+    assert compared(found, exact)["rel_rmse"] == pytest.approx(0, abs=1e-6)
+    found[1] *= 1.1
+    off = compared(found, exact)
+    assert off["rel_rmse"] == pytest.approx(0.1, rel=1e-4)
+    assert off["max_albedo"] == pytest.approx(1.21, rel=1e-4)
+    found[0, 1] = np.nan
+    assert compared(found, exact) == {"samples": 4, "non_finite": 1}
+
+
+@pytest.mark.parametrize(("expansion", "own"), [("jacobi-anger", "fp16"), ("taylor", "fp32")])
+def test_tables_in_the_precision_of_the_bake_are_the_bakes(expansion: Expansion, own: Any) -> None:
+    field = relief(2.4)
+    baked = terms_map(field, expansion, None, 1e-3, {}, "hump")
+    terms = baked.tables["terms"]
+    same = with_tables_in(own, baked, expansion, field).tables["terms"]
+    assert same.dtype == terms.dtype
+    # Of two transforms; a half float turns a difference at a rounding's edge into its last digit.
+    step = np.finfo(terms.dtype).eps
+    assert np.allclose(same.values, terms.values, rtol=step, atol=1e-7)
+    other = with_tables_in("fp32" if own == "fp16" else "fp16", baked, expansion, field)
+    assert other.tables["terms"].dtype != terms.dtype
+
+
+def stability(**changes: Any) -> Stability:
+    entry = {"case": "hump", "method": "jacobi-anger", "samples": 9, "non_finite": 0}
+    entry |= {"negative_energy": 0, "max_albedo": 1.0, "rel_rmse": 0.001, "float": "fp16"}
+    return Stability.model_validate(entry | changes)
+
+
+def test_an_unstable_series_misses_its_bar() -> None:
+    broken = stability(case="high hump", non_finite=1, max_albedo=None, rel_rmse=None)
+    bars = field_bars(stability=[stability(), broken, stability(method="closed-form")])
+    asked = "jacobi-anger at x = k w Δ/2 from 0 to 80"
+    for figure in ("not finite", "relative RMSE"):
+        bar = bars[f"{asked}, {figure}"]
+        assert (bar.is_met, bar.where) == (False, "high hump")
+    # A refusal is no failure, and half floats are none of Taylor's.
+    unstable = {"method": "taylor", "rel_rmse": None, "float": "fp32"}
+    refused = stability(**unstable, refused="jacobi-anger")
+    rounded = stability(method="taylor", rel_rmse=2.5)
+    good = stability(method="taylor", float="fp32")
+    asked = "taylor where the bake takes it, relative RMSE"
+    assert field_bars(stability=[refused, rounded, good])[asked].is_met
+    assert not field_bars(stability=[stability(**unstable), good])[asked].is_met
+
+
+def test_the_memory_of_a_bake_is_its_own() -> None:
+    ours = bytearray(300 * 2**20)
+    ours[::4096] = b"x" * len(ours[::4096])
+    _, empty, _ = measured([sys.executable, "-c", "pass"])
+    assert empty < 100 * 2**20
+    hungry = "held = bytearray(b'x') * (200 * 2**20); print('done')"
+    seconds, peak, printed = measured([sys.executable, "-c", hungry])
+    assert 200 * 2**20 <= peak < 300 * 2**20
+    assert (seconds > 0, printed) == (True, "done")
+
+
+def test_a_bake_that_fails_is_an_error_with_its_own_words() -> None:
+    with pytest.raises(BakeError, match="no room"):
+        measured([sys.executable, "-c", "import sys; sys.exit('no room')"])
+
+
+@pytest.mark.parametrize("size", SIZES[:3])
+def test_fields_are_baked_at_the_sizes_that_are_stated(size: int) -> None:
+    recipe = HeightFieldRecipe.model_validate(bake_recipe(size))
+    assert recipe.source.kind == "fingers"
+    assert generated(recipe.source, recipe.pitch).heights.shape == (size, size)
+    assert recipe.terms == 30
+
+
+def test_a_bake_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bake_cost, "RUNS", 1)
+    cost = bake_cost.bake_cost(128)
+    assert (cost.size, cost.terms) == (128, 30)
+    assert 0 < cost.baking_seconds < cost.seconds
+    assert cost.peak_bytes > 30 * 2**20  # Python, numpy and scipy alone hold more
+    # Half of the visible lines of 6.4 µm, ±40 a side, as fifteen pairs of terms of eight bytes.
+    assert 15 * 8 * 41 * 81 / 2 < cost.map_bytes < 15 * 8 * 41 * 81 * 2
+
+
+def test_only_the_whole_report_bakes() -> None:
+    scenes = read_scenes(SCENES)
+    assert is_whole(scenes)
+    assert not is_whole(scenes[:-1])
+
+
+def bake_costs(*growth: float) -> list[BakeCost]:
+    """Bakes whose time grows as n log n but for the factors."""
+    costs = []
+    for size, factor in zip(SIZES, growth, strict=True):
+        n = size**2
+        seconds = 1e-7 * factor * n * np.log2(n)
+        costs.append(
+            BakeCost(
+                **{"size": size, "terms": 30, "seconds": seconds + 2, "baking_seconds": seconds},
+                **{"peak_bytes": 2 * 10**8 + 1000 * n, "map_bytes": 20 * n},
+            )
+        )
+    return costs
+
+
+def test_the_growth_of_a_bake_is_seen(tmp_path: Path) -> None:
+    costs = bake_costs(1, 1, 1, 1.5, 3)
+    report = Report(backend="", threads=1, rows=[], bake_cost=costs)
+    page = index_page(report, {}, [])
+    for size, factor in zip(SIZES, ("1.00", "1.00", "1.00", "1.50", "3.00"), strict=True):
+        (line,) = [line for line in page.splitlines() if line.startswith(f"| {size}² |")]
+        assert line.split(" | ")[3] == factor
+    assert BAKE_PICTURE in page
+    bars = field_bars(bake_cost=costs)
+    assert bars["bake of 512², 30 terms, s"].value == pytest.approx(2 + 1e-7 * 512**2 * 18)
+    assert bars["bake of 512², 30 terms, GB"].value == pytest.approx(0.2 + 512**2 / 1e6)
+    assert bars["bake of 2048², 30 terms, GB"].is_met
+    slow, large = (costs[2].model_copy(update=u) for u in ({"seconds": 21}, {"peak_bytes": 3e9}))
+    assert not field_bars(bake_cost=[slow])["bake of 512², 30 terms, s"].is_met
+    assert not field_bars(bake_cost=[large])["bake of 512², 30 terms, GB"].is_met
+    draw_bake_cost(costs, tmp_path / "bake.png")
+    assert (tmp_path / "bake.png").stat().st_size > 1000
+    assert BAKE_PICTURE not in index_page(report.model_copy(update={"bake_cost": []}), {}, [])
 
 
 def test_a_scene_that_does_not_render_fails_the_report(

@@ -1,0 +1,56 @@
+"""The bars of gratings and foils."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from precompute.report.bars import Bar, worst
+from precompute.report.measurements import SceneResult
+from precompute.report.rows import Report
+from precompute.report.timing import IRIDESCENT, WITHOUT
+
+TIMED_SCENE = "plane-directional"
+"""The scene whose times are held against the bars: a plane under one directional light."""
+
+
+def grating_bars(report: Report, results: dict[str, SceneResult]) -> Iterator[Bar]:
+    """Errors of each method, the white furnace, and the closed form's times."""
+    closed = [row for row in report.rows if row.method == "closed-form"]
+    lit = [row for row in closed if row.lighting in ("directional", "point")]
+    around = [row for row in closed if row.lighting in ("environment", "mixed")]
+    loops = [row for row in report.rows if row.method == "wavelength-loop"]
+    fine = [row for row in loops if row.knobs.get("wavelength_step") == 0.001]
+    arcs = [row for row in report.rows if row.knobs.get("environment_nodes") == 401]
+    for asked, rows, figure, limit in (
+        ("closed form under lights, relative RMSE", lit, "rel_rmse", 0.01),
+        ("closed form under lights, ΔE2000 p95", lit, "delta_e2000_p95", 1),
+        ("closed form in environments, relative RMSE", around, "rel_rmse", None),
+        ("closed form in environments, ΔE2000 p95", around, "delta_e2000_p95", None),
+        ("loop at 1 nm, relative RMSE", fine, "rel_rmse", 0.01),
+        ("environment by 401 nodes, relative RMSE", arcs, "rel_rmse", 0.005),
+    ):
+        yield from worst(asked, [(row.scene, getattr(row, figure)) for row in rows], limit)
+    albedos = [(e.case, e.max_albedo) for e in report.furnaces() if e.max_albedo is not None]
+    yield from worst("white furnace, largest albedo over the metal's", albedos, 1.001, ".5f")
+    if TIMED_SCENE in results:
+        frame, share = _frame_and_share(results[TIMED_SCENE])
+        yield Bar("added time, closed form over loop of 5 nm", 0.1, share, TIMED_SCENE)
+        yield Bar("whole frame over iridescent MeshPhysicalMaterial", 1.2, frame, TIMED_SCENE)
+    ratios = {
+        name: _frame_and_share(result)
+        for name, result in results.items()
+        if result.scene.surface != "height_field"
+        and result.scene.lighting in ("directional", "point")
+    }
+    for index, asked in ((1, "added time"), (0, "whole frame")):
+        asked = f"{asked}, likewise, of all scenes under lights"
+        yield from worst(asked, [(name, both[index]) for name, both in ratios.items()], None)
+
+
+def _frame_and_share(result: SceneResult) -> tuple[float, float]:
+    """The closed form's frame over the iridescent one, and its added time over the loop's."""
+    ours, loop = result.first("closed-form"), result.first("wavelength-loop")
+    return (
+        result.times.ratio(ours, over=IRIDESCENT),
+        result.times.ratio(ours, over=loop, beyond=WITHOUT),
+    )
