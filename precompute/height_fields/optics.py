@@ -10,9 +10,10 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt, field_validator
 
 from precompute.gratings import Positive
+from precompute.height_fields.window import CutWindow
 from precompute.spectra import Metal, metal_reflectance
 
 Array = NDArray[np.float64]
@@ -33,6 +34,8 @@ class HeightFieldOptics(BaseModel):
         metal: The metal, which gives R(λ); left out it is aluminium, or none where there is an
             `ior`. ``null`` without an `ior` is a perfect mirror, R = 1.
         coherence: σ of the Gaussian coherence window exp(−r²/2σ²), µm.
+        tiles: How many patches the window is cut to along x and y; one number stands for both.
+            ``null``: it is not cut, the patch repeats for ever.
         roughness: δ, standard deviation of the normal's tilt, rad.
         energy: ``kirchhoff``, Stam's absolute BRDF in 1/sr, or ``relative``: divided by that of
             a flat surface of the same material at ω_i = ω_o = n: 1 for a mirror seen head-on.
@@ -43,6 +46,7 @@ class HeightFieldOptics(BaseModel):
     ior: Annotated[float, Field(gt=1)] | None = None
     metal: Metal | None = Field(default_factory=_metal_unless_dielectric)
     coherence: Positive = 16.25
+    tiles: tuple[PositiveInt, PositiveInt] | None = None
     roughness: Annotated[float, Field(ge=0, lt=np.pi / 2)] = 0.0
     energy: HeightFieldEnergy = "kirchhoff"
 
@@ -52,6 +56,11 @@ class HeightFieldOptics(BaseModel):
         if value is not None and info.data.get("ior") is not None:
             raise ValueError("null, or no ior: a surface is a metal or a dielectric")
         return value
+
+    @field_validator("tiles", mode="before")
+    @classmethod
+    def _along_both_axes(cls, value: Any) -> Any:
+        return (value, value) if isinstance(value, int) else value
 
     def reflectance(self, wi: Array, wo: Array, wavelength: Array) -> Array:
         """R of the material, for unpolarised light.
@@ -78,6 +87,29 @@ class HeightFieldOptics(BaseModel):
         """W = 1/(8π²σ²), 1/µm²: of the squared window's lobe in spatial frequency."""
         return 1 / (8 * np.pi**2 * self.coherence**2)
 
+    def cut_windows(self, period: tuple[float, float] | None) -> tuple[CutWindow, CutWindow] | None:
+        """The window along x and y where `tiles` cuts it, else None.
+
+        Args:
+            period: (T_x, T_y) of the patch, µm; `tiles` need it.
+        """
+        if self.tiles is None:
+            return None
+        assert period is not None
+        (nx, ny), (tx, ty) = self.tiles, period
+        return CutWindow(self.coherence, nx * tx), CutWindow(self.coherence, ny * ty)
+
+    def flat_density(self, period: tuple[float, float] | None) -> float:
+        """|P|²/A of a flat surface where a point source is brightest, µm²: 4πσ² uncut.
+
+        Args:
+            period: (T_x, T_y) of the patch, µm; `tiles` need it.
+        """
+        windows = self.cut_windows(period)
+        if windows is None:
+            return 1 / (2 * np.pi * self.window_variance)
+        return windows[0].peak * windows[1].peak
+
     def covariance(self, wi: Array, wo: Array, wavelength: Array, angular_radius: float) -> Array:
         """C_f of a line's lobe in the plane of spatial frequencies, (xx, yy, xy).
 
@@ -103,16 +135,23 @@ class HeightFieldOptics(BaseModel):
             ]
         )
 
-    def scale(self, wi: Array, wo: Array, wavelength: Array) -> Array:
+    def scale(
+        self,
+        wi: Array,
+        wo: Array,
+        wavelength: Array,
+        period: tuple[float, float] | None = None,
+    ) -> Array:
         """What makes |P|²/A, in µm², the BRDF of the chosen energy.
 
         Absolute: R s² (1 + ω_i·ω_o)²/(cosθ_i cosθ_o w²). Relative: that over what a flat surface
-        has head-on under a point source, R_0 s² · 4πσ².
+        has head-on under a point source, R_0 s² `flat_density`.
 
         Args:
             wi: ω_i, shape (n, 3), above the horizon.
             wo: ω_o, likewise.
             wavelength: λ, µm, shape (n,).
+            period: (T_x, T_y) of the patch, µm; a relative BRDF with `tiles` needs it.
 
         Returns:
             Shape (n,), 1/(µm² sr); relative: 1/µm².
@@ -124,7 +163,7 @@ class HeightFieldOptics(BaseModel):
             return scale * wavelength**-2.0
         normal = np.broadcast_to([0.0, 0.0, 1.0], wi.shape)
         head_on = self.reflectance(normal, normal, wavelength)
-        return scale / head_on * 2 * np.pi * self.window_variance
+        return scale / head_on / self.flat_density(period)
 
 
 def _fresnel(n: float, cosine_squared: Array) -> Array:

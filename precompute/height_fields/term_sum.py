@@ -6,6 +6,7 @@ shader and nothing with `precompute.height_fields.reference` but the material.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from precompute.closed_form import uniform_nodes
 from precompute.gratings import Light
 from precompute.height_fields.optics import HeightFieldOptics
+from precompute.height_fields.window import BlurredLobes, CutWindow
 from precompute.lobes import EXPONENT_CUT, lobes_map
 from precompute.maps import Map, Table
 from precompute.recipes import LobesRecipe
@@ -21,6 +23,10 @@ from precompute.spectra import WAVELENGTH_MAX, WAVELENGTH_MIN
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+CUT_TAIL = 0.005
+"""Share of its peak below which a line's amplitude behind a cut window is left out, but for order
+0."""
 
 
 def interpolated_coefficients(table: Table, x: ArrayLike) -> NDArray[np.float32]:
@@ -82,6 +88,7 @@ class TermsMethod:
         self.limit = np.array([along_x.last, along_y.last], dtype=int)
         constants = {name: np.ravel(value)[0] for name, value in terms.constants.items()}
         self.period = np.array([constants["period_x"], constants["period_y"]])
+        self.sides = (float(self.period[0]), float(self.period[1]))
         self.length = constants["amplitude"]
 
     def line_amplitude(self, line: Index, kw: Array) -> NDArray[np.complex64]:
@@ -126,8 +133,10 @@ class TermsMethod:
         i, o = wi[rows], wo[rows]
         for node in uniform_nodes(weights, np.asarray(light.tint), self.wavelengths):
             λ = np.full(len(rows), node.wavelength)
-            density = self._density(i, o, λ, light.angular_radius)
-            result[rows] += node.xyz * (self.optics.scale(i, o, λ) * density)[:, None]
+            density_of = self._density if self.optics.tiles is None else self._density_of_repeats
+            density = density_of(i, o, λ, light.angular_radius)
+            scale = self.optics.scale(i, o, λ, self.sides)
+            result[rows] += node.xyz * (scale * density)[:, None]
         return result
 
     def _density(self, wi: Array, wo: Array, λ: Array, angular_radius: float) -> Array:
@@ -157,3 +166,50 @@ class TermsMethod:
         if not is_blurred:
             power = np.abs(amplitude).astype(np.float64) ** 2
         return power / (2 * np.pi * np.sqrt(determinant))
+
+    def _density_of_repeats(self, wi: Array, wo: Array, λ: Array, angular_radius: float) -> Array:
+        """|P|²/A behind a cut window, µm²; a blur askew to the axes shears lobes, but no tails."""
+        tiles, windows = self.optics.tiles, self.optics.cut_windows(self.sides)
+        assert tiles is not None and windows is not None
+        is_blurred = angular_radius > 0 or self.optics.roughness > 0
+        xx, yy, xy = self.optics.covariance(wi, wo, λ, angular_radius)
+        cut = np.array([[window.variance - self.optics.window_variance] for window in windows])
+        shear = xy / (xx + cut[0])
+        variance = np.stack([xx, yy - shear * xy]) + cut
+        lobes = [window.amplitude for window in windows]
+        if is_blurred:
+            widths = np.sqrt(variance - [[window.variance] for window in windows])
+            farthest = 2 / λ.min() + self.limit / self.period
+            lobes = [
+                _blurred_amplitudes(window, b, float(f))
+                for window, b, f in zip(windows, widths, farthest, strict=True)
+            ]
+        centre = (wi + wo)[:, :2].T / λ
+        kw = 2 * np.pi * (wi[:, 2] + wo[:, 2]) / λ
+        least = CUT_TAIL / np.sqrt(2 * np.pi * np.sqrt(variance[0] * variance[1]))
+        amplitude = np.zeros(len(λ), np.complex64)
+        power = np.zeros(len(λ))
+        for j in range(-self.limit[0], self.limit[0] + 1):
+            fx = centre[0] - j / self.period[0]
+            x = lobes[0](fx)
+            core = 4 * variance[0]
+            middle = centre[1] - shear * fx * core / np.maximum(fx**2, core)
+            for l in range(-self.limit[1], self.limit[1] + 1):  # noqa: E741
+                lobe = x * lobes[1](middle - l / self.period[1])
+                near = np.flatnonzero((np.abs(lobe) >= least) | (j == 0 and l == 0))
+                line = np.tile([j, l], (len(near), 1))
+                found = lobe[near] * self.line_amplitude(line, kw[near])
+                if is_blurred:
+                    power[near] += np.abs(found) ** 2
+                else:
+                    # The window's middle stands half as many patches from the first sample.
+                    amplitude[near] += (1 - 2 * (np.dot([j, l], tiles) % 2)) * found
+        return power if is_blurred else np.abs(amplitude).astype(np.float64) ** 2
+
+
+def _blurred_amplitudes(
+    window: CutWindow, width: Array, farthest: float
+) -> Callable[[Array], Array]:
+    """Roots of the window's powers, blurred by a width for each point."""
+    powers = BlurredLobes(window, (float(width.min()), float(width.max())), farthest)
+    return lambda f: np.sqrt(np.maximum(powers(f, width), 0))

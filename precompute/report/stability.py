@@ -20,10 +20,11 @@ from precompute.height_fields.baked_lookup import BakedLookup
 from precompute.height_fields.expansion import Expansion, basis
 from precompute.height_fields.field import HeightField
 from precompute.height_fields.generate import generated
+from precompute.height_fields.lines import line_amplitudes
 from precompute.height_fields.optics import HeightFieldOptics
 from precompute.height_fields.prepare import prepared
 from precompute.height_fields.recipe import Bumps
-from precompute.height_fields.reference import colour_brdf, line_amplitudes
+from precompute.height_fields.reference import colour_brdf
 from precompute.height_fields.term_sum import TermsMethod
 from precompute.height_fields.terms import terms_map
 from precompute.maps import Map

@@ -10,13 +10,9 @@ from pydantic import ValidationError
 from precompute.gratings import Grating, Light
 from precompute.height_fields.expansion import terms_needed
 from precompute.height_fields.field import HeightField
+from precompute.height_fields.lines import Interpolation, line_amplitudes
 from precompute.height_fields.optics import HeightFieldOptics
-from precompute.height_fields.reference import (
-    _Interpolation,
-    colour_brdf,
-    line_amplitudes,
-    spectral_brdf,
-)
+from precompute.height_fields.reference import colour_brdf, spectral_brdf
 from precompute.reference import colour_brdf as grating_colour_brdf
 from precompute.reference import spectral_brdf as grating_brdf
 from precompute.renderings import Rendering, reference_xyz
@@ -72,7 +68,7 @@ def test_few_nodes_interpolate_an_amplitude(z: float, more: int) -> None:
     kw = np.linspace(100, 100 + 2 * z, 333)
     nodes = 1 + terms_needed("jacobi-anger", z, 1e-12)
     assert nodes <= z + more
-    over = _Interpolation(kw, nodes)
+    over = Interpolation(kw, nodes)
     t = np.linspace(-1, 1, 41)
     found = over.weights(kw) @ np.exp(1j * over.nodes[:, None] * t)
     assert np.abs(found - np.exp(1j * kw[:, None] * t)).max() < 3e-12

@@ -19,8 +19,9 @@ from precompute.height_fields.expansion import (
     worst_phase,
 )
 from precompute.height_fields.field import HeightField
+from precompute.height_fields.lines import line_amplitudes
 from precompute.height_fields.optics import HeightFieldOptics
-from precompute.height_fields.reference import colour_brdf, line_amplitudes
+from precompute.height_fields.reference import colour_brdf
 from precompute.height_fields.term_sum import TermsMethod, even_and_odd_sums
 from precompute.height_fields.terms import POWER_LEFT_OUT, terms_map, visible_lines
 from precompute.maps import Map

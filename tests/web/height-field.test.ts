@@ -1,8 +1,9 @@
-import type { DataTexture } from 'three'
+import { DataUtils, type DataTexture, type Vector2 } from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { loadMap } from '../../web/maps/load'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import { DEFAULT_SETTINGS, type DiffractionMaterialOptions } from '../../web/materials/options'
+import { cutWindow } from '../../web/height-field/cut-window'
 import { coefficientsTexture, termsTexture } from '../../web/height-field/line-spectrum'
 import { Grating } from '../../web/surfaces/grating'
 import { HeightField } from '../../web/surfaces/height-field'
@@ -36,6 +37,14 @@ describe('a height field', () => {
     refuses(() => (field.strength = 1.1), 'HeightField', 'strength')
     refuses(() => (field.ior = 0.9), 'HeightField', 'ior')
     expect(field).toMatchObject({ orientation: 0, strength: 1, ior: 1.5 })
+  })
+
+  it('takes counts of patches only', () => {
+    for (const tiles of [0, -2, 2.5, NaN, '4', [3], [3, 0], [1, 2, 3]] as unknown as number[])
+      refuses(() => new HeightField({ field: 'x', tiles }), 'HeightField', 'tiles')
+    expect(new HeightField({ field: 'x' }).tiles).toBeNull()
+    expect(new HeightField({ field: 'x', tiles: 4 }).tiles).toEqual([4, 4])
+    expect(new HeightField({ field: 'x', tiles: [3, 8] }).tiles).toEqual([3, 8])
   })
 
   it('reads the terms of its method, by name or by address', () => {
@@ -81,6 +90,22 @@ describe('a material', () => {
     // Both surfaces have it.
     expect(material.energy).toBe('kirchhoff')
   })
+
+  it('shows finite repeats by the series alone', async () => {
+    const surface = new HeightField({ field: 'x', tiles: [3, 8] })
+    const material = new DiffractionMaterial({ surface, mapsPath })
+    await material.ready
+    expect(material.method).toBe('jacobi-anger')
+    expect(material.defines.TILES).toBe('')
+    expect(material.explain()).toContainEqual(
+      expect.objectContaining({ feature: 'finite repeats', included: true }),
+    )
+    for (const method of ['line-sum', 'baked'] as const)
+      refuses(() => (material.method = method), 'DiffractionMaterial', 'method')
+    material.surface = new HeightField({ field: 'x' })
+    await material.ready
+    expect(material.defines.TILES).toBe(false)
+  })
 })
 
 describe('a baked pattern', () => {
@@ -124,6 +149,63 @@ describe('a baked pattern', () => {
     const material = await made({})
     refuses(() => (material.roughness = 0), `${mapsPath}height-field-x-baked.json`, 'roughness')
     expect(material.roughness).toBe(0.02)
+  })
+})
+
+describe('a window cut to some patches', () => {
+  /** Step, in deviations, and the lobes along x and y of a row. */
+  const lobes = (window: ReturnType<typeof cutWindow>, row: number): [number, number[][]] => {
+    const { defines, uniforms } = window
+    const { data, width } = (uniforms.uCutLobes!.value as DataTexture).image
+    const axes = [0, 2].map((c) =>
+      Array.from({ length: width }, (_, k) =>
+        DataUtils.fromHalfFloat((data as Uint16Array)[4 * (row * width + k) + c]!),
+      ),
+    )
+    return [Number(defines.CUT_REACH) / (width - 1), axes]
+  }
+  const SHARES = 32
+
+  it('has the lobes of a slit where light is coherent over all of it', () => {
+    const window = cutWindow([2, 3], [2.5, 4], 1e5)
+    const lengths = [5, 12]
+    const deviations = (window.uniforms.uCutVariance!.value as Vector2).toArray().map(Math.sqrt)
+    // The density (sin πNTf/πf)²/NT has the peak NT.
+    lengths.forEach((length, axis) => {
+      expect(deviations[axis]).toBeCloseTo(1 / (Math.sqrt(2 * Math.PI) * length), 8)
+    })
+    const [step, sharp] = lobes(window, SHARES)
+    const [, unblurred] = lobes(window, SHARES - 1)
+    for (const k of [0, 1, 40, 333, 2000])
+      for (const axis of [0, 1]) {
+        const x = Math.PI * lengths[axis]! * deviations[axis]! * k * step
+        const slit = k === 0 ? 1 : Math.sin(x) / x
+        expect(sharp[axis]![k]).toBeCloseTo(slit, 3)
+        expect(unblurred[axis]![k]).toBeCloseTo(Math.abs(slit), 3)
+      }
+  })
+
+  it('has those of the Gaussian where it ends before the patches do', () => {
+    const window = cutWindow([40, 5000], [4, 4], 8)
+    const variance = (window.uniforms.uCutVariance!.value as Vector2).x
+    expect(variance * 8 * Math.PI ** 2 * 8 ** 2).toBeCloseTo(1, 6)
+    for (const row of [0, 15, SHARES - 1, SHARES]) {
+      const [step, axes] = lobes(window, row)
+      for (const k of [0, 300, 900])
+        for (const axis of [0, 1])
+          expect(axes[axis]![k]).toBeCloseTo(Math.exp(-0.25 * (k * step) ** 2), 3)
+    }
+  })
+
+  it('keeps its energy when it is blurred', () => {
+    for (const row of [2, 8, 20, 30]) {
+      const [step, axes] = lobes(cutWindow([2, 9], [2.5, 2.5], 16.25), row)
+      for (const roots of axes) {
+        const powers = roots.map((root) => root * root)
+        const energy = step * (2 * powers.reduce((a, b) => a + b) - powers[0]!)
+        expect(energy / Math.sqrt(2 * Math.PI)).toBeCloseTo(1, 2)
+      }
+    }
   })
 })
 

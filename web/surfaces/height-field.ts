@@ -6,7 +6,8 @@ import { expectKinds, type LoadedMap } from '../maps/load'
 import { heightFieldOptics } from '../height-field/optics'
 import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
 import { within } from '../validation'
-import type { Optics, OpticsSettings, Surface } from './surface'
+import type { Tiles } from '../height-field/cut-window'
+import type { Method, Optics, OpticsSettings, Surface } from './surface'
 
 export interface HeightFieldOptions {
   /**
@@ -20,14 +21,23 @@ export interface HeightFieldOptions {
   strength?: number
   /** Refractive index of a dielectric such as skin; null (default) where the material's metal reflects. */
   ior?: number | null
+  /**
+   * How many patches light sees: one number, or one along x and one along y; null (default) where the patch repeats for
+   * ever. Methods 'jacobi-anger' and 'taylor' alone can show it.
+   */
+  tiles?: number | Tiles | null
 }
+
+// A finite window's lobes are no Gaussians, on which the others rest.
+const SERIES = ['jacobi-anger', 'taylor'] as const
+const ALL = ['line-sum', 'baked', ...SERIES] as const
 
 /** A measured or generated relief that repeats over the whole surface. */
 export class HeightField implements Surface {
   readonly name = 'HeightField'
   readonly glsl = heightFieldGlsl
   readonly glslFiles = opticsShaders
-  readonly methods = ['line-sum', 'baked', 'jacobi-anger', 'taylor'] as const
+  readonly methods: readonly Method[]
   readonly energies = ['kirchhoff', 'relative'] as const
   readonly uniforms = {
     uReliefDirection: { value: new Vector2(1, 0) },
@@ -36,11 +46,19 @@ export class HeightField implements Surface {
   } satisfies Record<string, IUniform>
   /** The baked field's name or address. */
   readonly field: string
+  /** How many patches light sees along x and y; null where there is no end to them. */
+  readonly tiles: Tiles | null
   #orientation = 0
   #isDielectric = false
   #version = 0
 
-  constructor({ field, orientation = 0, strength = 1, ior = null }: HeightFieldOptions) {
+  constructor({
+    field,
+    orientation = 0,
+    strength = 1,
+    ior = null,
+    tiles = null,
+  }: HeightFieldOptions) {
     if (typeof field !== 'string' || field === '')
       throw new DiffractionError({
         file: this.name,
@@ -49,6 +67,8 @@ export class HeightField implements Surface {
         expected: 'the name of a baked height field, or its address without method and extension',
       })
     this.field = field
+    this.tiles = tiles === null ? null : pairOfCounts(tiles)
+    this.methods = this.tiles === null ? ALL : SERIES
     this.orientation = orientation
     this.strength = strength
     this.ior = ior
@@ -113,8 +133,23 @@ export class HeightField implements Surface {
       lobes: 'lobes',
       metals: 'metals',
     })
-    const optics = heightFieldOptics(maps, settings, this.#isDielectric)
+    const optics = heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
     const uniforms = { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(maps.lobes) } }
     return { ...optics, uniforms }
   }
+}
+
+function pairOfCounts(value: unknown): Tiles {
+  const pair: unknown[] = Array.isArray(value) ? value : [value, value]
+  if (pair.length === 2 && pair.every(isCount)) return [pair[0] as number, pair[1] as number]
+  throw new DiffractionError({
+    file: 'HeightField',
+    field: 'tiles',
+    value,
+    expected: 'a whole number of patches above 0, a pair of them for x and y, or null for no end',
+  })
+}
+
+function isCount(value: unknown): boolean {
+  return Number.isInteger(value) && (value as number) > 0
 }
