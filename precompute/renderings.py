@@ -25,7 +25,7 @@ from precompute.maps import Map
 from precompute.profiles import Profile
 from precompute.recipes import ProfileRecipe, read_recipe
 from precompute.reference import colour_brdf, environment_radiance
-from precompute.spectra import WAVELENGTHS, xyz_to_linear_srgb
+from precompute.spectra import xyz_to_linear_srgb
 
 Array = NDArray[np.float64]
 ColourBrdf = Callable[[Array, Array, Light], Array]
@@ -156,8 +156,7 @@ def _height_field_xyz(
             wo[rows],
             environment,
             rendering.light,
-            WAVELENGTHS[5::10],  # thousands of lines vary little from one to the next
-            frame[rows] @ view,
+            frame=frame[rows] @ view,
         )
     return result
 
@@ -193,6 +192,8 @@ def _height_field(rendering: Rendering, maps: Path) -> tuple[HeightField, Height
     if not isinstance(recipe, HeightFieldRecipe):
         raise InputError(file, "kind", recipe.kind, "height-field")
     options = {k: v for k, v in rendering.material.items() if k in OPTICS}
+    if surface.get("tiles") is not None:
+        options["tiles"] = surface["tiles"]
     if surface.get("ior") is not None:
         # A dielectric shows nothing of the material's metal.
         options |= {"ior": surface["ior"], "metal": None}

@@ -1,17 +1,30 @@
-// A relief's spectrum in cells: radiance from the environment (docs/theory.md, section 7). Each cell of spatial frequencies
-// is looked up once for each node of the light's spectrum, where its centroid sends the light, with a blur as wide as it.
+// A relief's lines at all wavelengths as a list of samples: radiance from the environment (docs/theory.md, section 7). A
+// sample is looked up once, where its middle sends the light, with a blur as wide as it.
 // Needs environmentRadiance().
 
-uniform highp sampler2D uCells;        // centroid (x, y) and deviation along an axis, 1/µm; a column a cell, the first is order 0
-uniform highp sampler2D uCellPowers;   // Σ|A|² of a cell's lines and its step to the next p = w/λ; p along x, a row a cell
-uniform highp sampler2D uEnvironmentNodes;
+// A row a sample, the first is order 0: XYZ in light of the red, the green and the blue basis, each over w, then a texel of the
+// middle λf (x, y) and the deviation along an axis.
+uniform highp sampler2D uEnvironmentSamples;
 
-// Power of a cell. p: w/λ, 1/µm, 0 to CELL_PHASE_MAX.
-float cellPower(int cell, float p) {
-	float column = min(p / CELL_PHASE_MAX, 1.0) * float(CELL_PHASES - 1);
-	int i = int(column);
-	vec2 texel = texelFetch(uCellPowers, ivec2(i, cell), 0).rg;
-	return texel.r + (column - float(i)) * texel.g;
+// A rough surface's mirror image is the sharpest there is, and the brightest. It is read at four corners, each moved by this
+// many standard deviations along x and y, and what is left of the deviation is a blur: √(1 − 0.7²).
+#define MIRROR_CORNER 0.7
+#define MIRROR_REST 0.714
+
+// Neighbouring samples, boxes of 1/√12 of their width as deviation, are blurred by more than that: a small lamp would be
+// seen as a row of blobs, 39 % brighter and darker than their mean. 1.3 times it leaves 12 %.
+#define SAMPLE_BLUR 1.3
+
+// XYZ of a sample in light of the three tints. w: cosθ_i + cosθ_o, 0 to 2.
+mat3 sampleColors(int index, float w) {
+	vec2 size = vec2(3 * ENVIRONMENT_W_STEPS + 1, ENVIRONMENT_SAMPLES);
+	vec2 uv = (0.5 + vec2(0.5 * w * float(ENVIRONMENT_W_STEPS - 1), index)) / size;
+	vec2 next = vec2(float(ENVIRONMENT_W_STEPS) / size.x, 0.0);
+	return mat3(
+		textureLod(uEnvironmentSamples, uv, 0.0).xyz,
+		textureLod(uEnvironmentSamples, uv + next, 0.0).xyz,
+		textureLod(uEnvironmentSamples, uv + 2.0 * next, 0.0).xyz
+	);
 }
 
 // Radiance (XYZ) towards wo from the environment. wo: unit, view space.
@@ -19,31 +32,43 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	vec3 o = inFrame(p, wo);
 	if (o.z <= 0.0) return vec3(0.0);
 	vec3 xyz = vec3(0.0);
-	for (int k = 0; k < ENVIRONMENT_NODES; k++) {
-		SpectralNode node = spectralNode(uEnvironmentNodes, k);
-		vec3 seen = vec3(0.0);
-		for (int cell = 0; cell < CELLS; cell++) {
-			vec3 place = texelFetch(uCells, ivec2(cell, 0), 0).xyz;
-			vec2 xy = node.wavelength * place.xy - o.xy;
-			float z2 = 1.0 - dot(xy, xy);
-			if (z2 <= 0.0) continue;
-			vec3 i = vec3(xy, sqrt(z2));
-			// Deviation of where the cell's light comes from, in the plane of the surface: by its lines, and by the node's
-			// band, a box of which 1/√12 is the deviation.
-			float band = ARC_FILTER * length(place.xy) * node.bandwidth;
-			float blur = sqrt(node.wavelength * node.wavelength * place.z * place.z + band * band / 12.0);
-			float tilt = (o.z + i.z) * uRoughness;
-			// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations. In directions,
-			// what lies in the plane is longer by 1/cosθ.
-			float stretched = blur / max(i.z, 0.05);
-			float footprint = 2.0 * sqrt(stretched * stretched + tilt * tilt);
-			vec3 radiance = environmentRadiance(p.tangent * i.x + p.bitangent * i.y + p.normal * i.z, footprint);
-			float power = cellPower(cell, (o.z + i.z) / node.wavelength);
-			// 1/cosθ_i has a finite mean over a cell that ends at the horizon: cosθ there is about √(2 · blur).
-			vec3 raised = vec3(i.xy, max(i.z, sqrt(2.0 * blur)));
-			seen += radiance * (power * kirchhoffFactor(raised, o) * reflectance(i, o));
+	// Up to 0, k counts how often the mirror image is read.
+	for (int k = 1 - MIRROR_LOOKUPS; k < ENVIRONMENT_SAMPLES; k++) {
+		vec3 place = texelFetch(uEnvironmentSamples, ivec2(3 * ENVIRONMENT_W_STEPS, max(k, 0)), 0).xyz;
+		vec2 xy = place.xy - o.xy;
+		float blur = place.z;
+		// cos²θ_i of the sample's light, taken as even over its middle ± √3 deviations. Of what is above the horizon, cosθ_i is
+		// from low to high. 1/cosθ_i has no bound there, but a mean: 2/(low + high).
+		float r2 = dot(xy, xy);
+		float reach = max(3.4641016 * sqrt(r2) * blur, 1e-6);
+		float above = clamp(0.5 + 0.5 * (1.0 - r2) / reach, 0.0, 1.0);
+		if (above <= 0.0) continue;
+		float high = sqrt(1.0 - r2 + reach);
+		float low = sqrt(max(1.0 - r2 - reach, 0.0));
+		vec3 i = normalize(vec3(xy, 0.5 * (low + high)));
+		float w = o.z + i.z;
+		float tilt = w * uRoughness;
+		float share = above;
+		vec3 towards = i;
+		#if MIRROR_LOOKUPS > 1
+		if (k <= 0) {
+			vec2 corner = 2.0 * vec2(k & 1, (k >> 1) & 1) - 1.0;
+			vec2 moved = i.xy + MIRROR_CORNER * tilt * corner;
+			moved /= max(length(moved), 1.0);
+			towards = vec3(moved, sqrt(max(1.0 - dot(moved, moved), 0.0)));
+			tilt *= MIRROR_REST;
+			share /= float(MIRROR_LOOKUPS);
 		}
-		xyz += node.tints * seen;
+		#endif // MIRROR_LOOKUPS
+		// What lies in the plane is longer by 1/cosθ_i in directions, but for one of the two axes; of the two variances the
+		// mean. A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations.
+		float cosine = max(i.z, 0.05);
+		float across = SAMPLE_BLUR * blur;
+		float along = above * across / cosine;
+		float variance = 0.5 * (along * along + across * across + tilt * tilt * (1.0 + 1.0 / (cosine * cosine)));
+		vec3 direction = p.tangent * towards.x + p.bitangent * towards.y + p.normal * towards.z;
+		vec3 radiance = environmentRadiance(direction, 2.0 * sqrt(variance));
+		xyz += sampleColors(max(k, 0), w) * radiance * (share * kirchhoffFactor(i, o) * reflectance(i, o));
 	}
 	return xyz;
 }

@@ -11,23 +11,25 @@ float seriesArgument(float w, float wavenumber) {
 }
 
 // Complex amplitude A_jl of a line: the mean over the patch of exp(i k w h) exp(2πi (j x/Tx + l y/Ty)), but for a phase
-// that all lines share. line: (j, l), within the table; x: of seriesArgument, within the table.
-vec2 lineAmplitude(ivec2 line, float x) {
+// that all lines share, and (zw) its derivative dA/dx. line: (j, l), within the table; x: of seriesArgument, within the table.
+vec4 lineAmplitude(ivec2 line, float x) {
 	// Each B_n is real, so that its spectrum at −f is the conjugate of that at f: half a plane is stored.
 	bool mirrored = line.x < 0;
 	ivec2 texel = (mirrored ? -line : line) + ivec2(0, LINES_Y);
-	float column = min(x / SERIES_MAX, 1.0) * float(SERIES_SAMPLES - 1);
+	float perRadian = float(SERIES_SAMPLES - 1) / SERIES_MAX;
+	float column = min(x, SERIES_MAX) * perRadian;
 	int i = int(column);
 	float t = column - float(i);
-	vec2 even = vec2(0.0), odd = vec2(0.0);
+	vec4 even = vec4(0.0), odd = vec4(0.0);
 	// The later terms count where x is large.
 	int pairs = min(TERM_PAIRS, int(SERIES_START + 0.5 * x));
 	for (int pair = 0; pair < pairs; pair++) {
 		vec4 c = texelFetch(uTermCoefficients, ivec2(i, pair), 0);
 		vec4 term = texelFetch(uTerms, ivec3(texel, pair), 0);
-		even += (c.r + t * c.g) * term.rg;
-		odd += (c.b + t * c.a) * term.ba;
+		even += vec4((c.r + t * c.g) * term.rg, c.g * term.rg);
+		odd += vec4((c.b + t * c.a) * term.ba, c.a * term.ba);
 	}
 	// The factor i^n is not conjugated with it.
-	return mirrored ? vec2(even.x - odd.x, odd.y - even.y) : even + odd;
+	vec4 sum = mirrored ? vec4(even.x - odd.x, odd.y - even.y, even.z - odd.z, odd.w - even.w) : even + odd;
+	return vec4(sum.xy, perRadian * sum.zw);
 }

@@ -5,7 +5,6 @@
 #include "kirchhoff.glsl"
 #include "spectrum.glsl"
 
-uniform highp sampler2D uLightNodes;
 #ifdef DIELECTRIC
 uniform float uReliefIor;  // refractive index, above 1
 #endif // DIELECTRIC
@@ -40,5 +39,5 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 }
 
 #ifdef ENVIRONMENT
-#include "cells.glsl"
+#include "environment-samples.glsl"
 #endif // ENVIRONMENT

@@ -1,8 +1,9 @@
-"""Cells of a relief's spectrum: few places that stand for all its lines under an environment.
+"""Cells of a relief's spectrum: places that stand for all its lines under an environment.
 
 Light of an environment reaches a viewer by every line of the spectrum, thousands of them. The plane
-of spatial frequency is cut into cells of about equal power; a cell is looked up once, at its
-centroid, with a blur as wide as the cell. Its power is a table over p = w/λ.
+of spatial frequency is cut into cells that scatter about alike, each with its centroid, its spread
+and its power, a table over p = w/λ. From them and a light's spectrum
+web/height-field/environment-samples.ts makes the list of directions in which the shader looks.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from precompute.spectra import WAVELENGTH_MIN
 
 Array = NDArray[np.float64]
 
-CELLS = 32
+CELLS = 511
 """Cells besides order 0, which is one of its own."""
 
 SAMPLES = 64
@@ -53,7 +54,7 @@ class Cells:
         channels = ("f_x", "f_y", "spread", "unused")
         return {
             "places": Table(places, (cell,), channels, dtype="float32"),
-            "powers": Table(self.powers[..., None], (cell, p), ("power",), dtype="float32"),
+            "powers": Table(self.powers[..., None], (cell, p), ("power",), dtype="float16"),
         }
 
 

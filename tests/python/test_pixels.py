@@ -50,8 +50,25 @@ CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
     "bumps, Taylor": ("height-field-bumps", (48, 48), SERIES | {"method": "taylor"}, 0.005, 0.2),
     "bumps, baked": ("height-field-bumps-rough", (96, 96), {"method": "baked"}, 0.01, 1),
     "fingers, sun": ("height-field-fingers-sun", (64, 64), {"method": "line-sum"}, 0.01, 1),
-    # 33 cells stand for 700 lines, whose light the studio's strips cut into narrow stripes.
-    "bumps, environment": ("height-field-bumps-studio", (24, 24), {}, 0.03, 12),
+    "bumps, 3 × 8 patches": ("height-field-bumps-repeats", (20, 20), SERIES, 0.01, 1),
+    "cosine, 4 patches, sun": (
+        "height-field-cosine-repeats-sun",
+        (20, 20),
+        SERIES | {"method": "taylor"},
+        0.01,
+        1.5,
+    ),
+    "blazed, line by line": ("height-field-blazed", (64, 12), {"method": "line-sum"}, 0.01, 1.5),
+    "bumps, environment": ("height-field-bumps-studio", (24, 24), {}, 0.015, 5),
+    "bumps, rough, environment": (
+        "height-field-bumps-studio",
+        (16, 16),
+        {"roughness": 0.0175},
+        0.015,
+        6,
+    ),
+    # Thousands of lines in 192 lookups: the studio's strips cut their light into narrow stripes.
+    "fingers, environment": ("height-field-fingers-studio", (10, 10), {}, 0.06, 8),
     "environment, 401 nodes": ("environment-studio", (36, 36), ARC, 0.005, 0.5),
 }
 

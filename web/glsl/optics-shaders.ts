@@ -1,6 +1,6 @@
 import bakedPattern from '../../shaders/baked-pattern.glsl?raw'
-import cells from '../../shaders/cells.glsl?raw'
 import efficiency from '../../shaders/efficiency.glsl?raw'
+import environmentSamples from '../../shaders/environment-samples.glsl?raw'
 import expansion from '../../shaders/expansion.glsl?raw'
 import fresnel from '../../shaders/fresnel.glsl?raw'
 import grating from '../../shaders/grating.glsl?raw'
@@ -15,8 +15,8 @@ import surfacePoint from '../../shaders/surface-point.glsl?raw'
 /** The optics of surfaces, by the names they include each other by. */
 export const opticsShaders: Record<string, string> = {
   'baked-pattern.glsl': bakedPattern,
-  'cells.glsl': cells,
   'efficiency.glsl': efficiency,
+  'environment-samples.glsl': environmentSamples,
   'expansion.glsl': expansion,
   'fresnel.glsl': fresnel,
   'grating.glsl': grating,

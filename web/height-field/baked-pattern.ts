@@ -17,7 +17,6 @@ import type { Pattern } from './optics'
 /** Defines and uniforms of shaders/baked-pattern.glsl; refuses settings other than those that were baked in. */
 export function bakedPattern(
   relief: LoadedMap,
-  lobes: LoadedMap,
   settings: OpticsSettings,
   isDielectric: boolean,
 ): Pattern {
@@ -63,7 +62,6 @@ export function bakedPattern(
       },
     ],
     underLights: (angularRadius) => lightSize(angularRadius, constant('angular_radius')),
-    nodes: { count: constantOf(lobes, 'wide_lobe_nodes')[0]!, placement: 'weighted' },
   }
 }
 

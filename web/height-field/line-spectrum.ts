@@ -4,21 +4,36 @@ import { parameterFromTexel } from '../maps/axes'
 import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load'
 import { sharedTexture, unfiltered } from '../maps/shared-texture'
 import { wavelengthsOfLoop } from '../spectrum/spectrum-optics'
-import type { LightOptics, OpticsSettings } from '../surfaces/surface'
-import type { Pattern } from './optics'
+import { SpectralTextures } from '../spectrum/spectral-textures'
+import type { LightOptics, Metal, OpticsSettings } from '../surfaces/surface'
+import { cutWindow, type Tiles } from './cut-window'
+import type { HeightFieldMaps, Pattern } from './optics'
 
-/** Defines and uniforms of shaders/line-spectrum.glsl. */
+/**
+ * Defines and uniforms of shaders/line-spectrum.glsl.
+ *
+ * @param metal - whose colour the light's spectrum is seen in; null: a perfect mirror
+ * @param tiles - how many patches cut the coherence window, if any do
+ */
 export function lineSpectrum(
-  relief: LoadedMap,
-  lobes: LoadedMap,
-  { method, wavelengthStep, roughness }: OpticsSettings,
+  { relief, lobes, metals }: HeightFieldMaps,
+  { method, wavelengthStep, roughness, coherence }: OpticsSettings,
+  metal: Metal | null,
+  tiles: Tiles | null,
 ): Pattern {
   const isLineSum = method === 'line-sum'
+  const spectra = new SpectralTextures(lobes, metals, metal)
+  const nodes = isLineSum
+    ? constantOf(lobes, 'wide_lobe_nodes')[0]!
+    : wavelengthsOfLoop(wavelengthStep)
   const [layers, rows, columns] = arrayOf(relief, 'terms').spec.shape as [number, number, number]
   const [, samples] = arrayOf(relief, 'coefficients').spec.shape as [number, number]
   const constant = (name: string): number => constantOf(relief, name)[0]!
+  const period = [constant('period_x'), constant('period_y')] as const
+  const cut = tiles && cutWindow(tiles, period, coherence)
   return {
     defines: {
+      LIGHT_NODES: nodes,
       LINES_X: columns - 1,
       LINES_Y: (rows - 1) / 2,
       TERM_PAIRS: layers,
@@ -26,12 +41,16 @@ export function lineSpectrum(
       SERIES_SAMPLES: samples,
       SERIES_START: floatLiteral(seriesStart(relief)),
       ...(isLineSum && { LINE_SUM: '' }),
+      ...cut?.defines,
     },
     uniforms: {
+      uLightNodes: { value: spectra.nodes(nodes, isLineSum ? 'weighted' : 'uniform') },
+      ...(isLineSum && { uLobeTable: { value: spectra.lobe() } }),
       uTerms: { value: termsTexture(relief) },
       uTermCoefficients: { value: coefficientsTexture(relief) },
       uReliefAmplitude: { value: constant('amplitude') },
-      uPatch: { value: new Vector2(constant('period_x'), constant('period_y')) },
+      uPatch: { value: new Vector2(...period) },
+      ...cut?.uniforms,
     },
     features: [
       {
@@ -44,12 +63,14 @@ export function lineSpectrum(
         included: !isLineSum,
         why: isLineSum ? `method is '${method}'` : `in steps of ${wavelengthStep * 1000} nm`,
       },
+      {
+        feature: 'finite repeats',
+        included: tiles !== null,
+        why: tiles === null ? 'tiles is null' : `tiles is ${tiles.join(' × ')}`,
+      },
     ],
     underLights: (angularRadius) =>
       interference(!isLineSum && angularRadius === 0 && roughness === 0),
-    nodes: isLineSum
-      ? { count: constantOf(lobes, 'wide_lobe_nodes')[0]!, placement: 'weighted' }
-      : { count: wavelengthsOfLoop(wavelengthStep), placement: 'uniform' },
   }
 }
 

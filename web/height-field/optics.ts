@@ -1,12 +1,11 @@
-import { DataTexture, FloatType, RGBAFormat, type IUniform } from 'three'
-import { floatLiteral } from '../glsl/float-literal'
-import { arrayOf, valuesOf, type LoadedMap } from '../maps/load'
-import { sharedTexture, unfiltered } from '../maps/shared-texture'
-import { stepTexture } from '../maps/step-texture'
-import { SpectralTextures } from '../spectrum/spectral-textures'
-import { ARC_FILTER, spectrumOptics } from '../spectrum/spectrum-optics'
+import type { IUniform } from 'three'
+import type { LoadedMap } from '../maps/load'
+import { spectrumOptics } from '../spectrum/spectrum-optics'
 import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface'
 import { bakedPattern } from './baked-pattern'
+import type { Tiles } from './cut-window'
+import { W_STEPS } from './environment-samples'
+import { environmentTexture } from './environment-texture'
 import { lineSpectrum } from './line-spectrum'
 
 /** The maps that a height field's optics read. */
@@ -22,51 +21,44 @@ export interface Pattern {
   uniforms: Record<string, IUniform>
   features: readonly Feature[]
   underLights: (angularRadius: number) => LightOptics
-  /** How many nodes stand for the spectrum of a light, and how they share it out. */
-  nodes: { count: number; placement: 'uniform' | 'weighted' }
 }
 
 /**
  * Defines and uniforms of shaders/height-field.glsl.
  *
  * @param isDielectric - whether the reflectance is a dielectric's, in place of the settings' metal
+ * @param tiles - how many patches cut the coherence window, if any do
  */
 export function heightFieldOptics(
   { relief, lobes, metals }: HeightFieldMaps,
   settings: OpticsSettings,
   isDielectric: boolean,
+  tiles: Tiles | null,
 ): Optics {
   const { method, energy, environmentNodes, roughness } = settings
   const isRelative = energy === 'relative'
-  const pattern =
-    method === 'baked'
-      ? bakedPattern(relief, lobes, settings, isDielectric)
-      : lineSpectrum(relief, lobes, settings)
   // Relative to a flat surface of the same metal, its reflectance cancels.
   const metal = isRelative || isDielectric ? null : settings.metal
-  const spectra = new SpectralTextures(lobes, metals, metal)
+  const pattern =
+    method === 'baked'
+      ? bakedPattern(relief, settings, isDielectric)
+      : lineSpectrum({ relief, lobes, metals }, settings, metal, tiles)
   const { defines, uniforms } = spectrumOptics(lobes, settings)
-  const [cells, phases] = arrayOf(relief, 'powers').spec.axes
+  const samples = environmentTexture(relief, lobes, metals, metal, environmentNodes)
+  const { height: lookups } = samples.image
   return {
     defines: {
       ...defines,
       ...pattern.defines,
       ...(isRelative && { ENERGY_RELATIVE: '' }),
-      ARC_FILTER: floatLiteral(ARC_FILTER),
-      CELLS: cells!.size,
-      CELL_PHASES: phases!.size,
-      CELL_PHASE_MAX: floatLiteral(phases!.last),
-      ENVIRONMENT_NODES: environmentNodes,
-      LIGHT_NODES: pattern.nodes.count,
+      ENVIRONMENT_SAMPLES: lookups,
+      ENVIRONMENT_W_STEPS: W_STEPS,
+      MIRROR_LOOKUPS: roughness > 0 ? 4 : 1,
     },
     uniforms: {
       ...uniforms,
       ...pattern.uniforms,
-      uCellPowers: { value: stepTexture(relief, 'powers') },
-      uCells: { value: cellsTexture(relief) },
-      uEnvironmentNodes: { value: spectra.nodes(environmentNodes, 'weighted') },
-      uLightNodes: { value: spectra.nodes(pattern.nodes.count, pattern.nodes.placement) },
-      uLobeTable: { value: spectra.lobe() },
+      uEnvironmentSamples: { value: samples },
     },
     features: [
       ...pattern.features,
@@ -77,9 +69,9 @@ export function heightFieldOptics(
         why: `the surface tilts by ${roughness} rad`,
       },
       {
-        feature: `${cells!.size} cells of the spectrum`,
+        feature: `${lookups} lookups of the environment`,
         included: true,
-        why: `its lines are looked up together, at ${environmentNodes} wavelengths, wherever there is an environment`,
+        why: `they stand for all lines at all wavelengths; environmentNodes is ${environmentNodes}`,
       },
     ],
     underLights: pattern.underLights,
@@ -89,13 +81,4 @@ export function heightFieldOptics(
 function whyMetal(energy: OpticsSettings['energy'], metal: OpticsSettings['metal'] | null): string {
   if (energy === 'relative') return "energy is 'relative'"
   return metal === null ? 'the surface has an ior' : `metal is '${metal}'`
-}
-
-/** Centroids and deviations of the cells, a column each. */
-function cellsTexture(relief: LoadedMap): DataTexture {
-  return sharedTexture(relief, 'places', () => {
-    const array = arrayOf(relief, 'places')
-    const [count] = array.spec.shape
-    return unfiltered(new DataTexture(valuesOf(array), count, 1, RGBAFormat, FloatType))
-  })
 }
