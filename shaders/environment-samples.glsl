@@ -17,7 +17,7 @@ uniform highp sampler2D uEnvironmentSamples;
 
 // XYZ of a sample in light of the three tints. w: cosθ_i + cosθ_o, 0 to 2.
 mat3 sampleColors(int index, float w) {
-	vec2 size = vec2(3 * ENVIRONMENT_W_STEPS + 1, ENVIRONMENT_SAMPLES);
+	vec2 size = vec2(textureSize(uEnvironmentSamples, 0));
 	vec2 uv = (0.5 + vec2(0.5 * w * float(ENVIRONMENT_W_STEPS - 1), index)) / size;
 	vec2 next = vec2(float(ENVIRONMENT_W_STEPS) / size.x, 0.0);
 	return mat3(
@@ -33,7 +33,9 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	if (o.z <= 0.0) return vec3(0.0);
 	vec3 xyz = vec3(0.0);
 	// Up to 0, k counts how often the mirror image is read.
+	int samples = textureSize(uEnvironmentSamples, 0).y;
 	for (int k = 1 - MIRROR_LOOKUPS; k < ENVIRONMENT_SAMPLES; k++) {
+		if (k >= samples) break;  // a relief of few lines has fewer
 		vec3 place = texelFetch(uEnvironmentSamples, ivec2(3 * ENVIRONMENT_W_STEPS, max(k, 0)), 0).xyz;
 		vec2 xy = place.xy - o.xy;
 		float blur = place.z;

@@ -47,6 +47,13 @@ const included = (material: DiffractionMaterial, feature: string): boolean | und
   material.explain().find((entry) => entry.feature === feature)?.included
 
 describe('loading', () => {
+  it('makes nothing for an environment before there is one', async () => {
+    const material = makeMaterial()
+    await material.ready
+    expect(material.uniforms).toHaveProperty('uLightNodes')
+    expect(material.uniforms).not.toHaveProperty('uEnvironmentNodes')
+  })
+
   it('leaves diffraction out until the tables are there', async () => {
     const material = makeMaterial()
     expect(material.defines.DIFFRACTION).toBe(false)

@@ -12,6 +12,11 @@ const LOOKUPS_PER_NODE = 16
 /** What every WebGL 2 can hold along one side of a texture. */
 const MAX_LOOKUPS = 2048
 
+/** Lookups at most: fewer where a relief has fewer lines. */
+export function lookups(environmentNodes: number): number {
+  return Math.min(LOOKUPS_PER_NODE * environmentNodes, MAX_LOOKUPS)
+}
+
 /** Bands of the spectrum that samples are put together from. */
 const BANDS = 32
 
@@ -28,7 +33,7 @@ export function environmentTexture(
   metal: Metal | null,
   environmentNodes: number,
 ): DataTexture {
-  const count = Math.min(LOOKUPS_PER_NODE * environmentNodes, MAX_LOOKUPS)
+  const count = lookups(environmentNodes)
   return sharedTexture(relief, `samples ${lobes.url} ${metal ?? 'mirror'} ${count}`, () => {
     const reflectance = metal === null ? () => 1 : metalReflectance(metals, metal)
     const nodes = spectralNodes(lobes, BANDS, 'weighted').map((node) => ({

@@ -5,7 +5,7 @@ import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/s
 import { bakedPattern } from './baked-pattern'
 import type { Tiles } from './cut-window'
 import { W_STEPS } from './environment-samples'
-import { environmentTexture } from './environment-texture'
+import { environmentTexture, lookups } from './environment-texture'
 import { lineSpectrum } from './line-spectrum'
 
 /** The maps that a height field's optics read. */
@@ -44,22 +44,24 @@ export function heightFieldOptics(
       ? bakedPattern(relief, settings, isDielectric)
       : lineSpectrum({ relief, lobes, metals }, settings, metal, tiles)
   const { defines, uniforms } = spectrumOptics(lobes, settings)
-  const samples = environmentTexture(relief, lobes, metals, metal, environmentNodes)
-  const { height: lookups } = samples.image
   return {
     defines: {
       ...defines,
       ...pattern.defines,
       ...(isRelative && { ENERGY_RELATIVE: '' }),
-      ENVIRONMENT_SAMPLES: lookups,
+      ENVIRONMENT_SAMPLES: lookups(environmentNodes),
       ENVIRONMENT_W_STEPS: W_STEPS,
       MIRROR_LOOKUPS: roughness > 0 ? 4 : 1,
     },
     uniforms: {
       ...uniforms,
       ...pattern.uniforms,
-      uEnvironmentSamples: { value: samples },
     },
+    environmentUniforms: () => ({
+      uEnvironmentSamples: {
+        value: environmentTexture(relief, lobes, metals, metal, environmentNodes),
+      },
+    }),
     features: [
       ...pattern.features,
       { feature: "the metal's colour", included: metal !== null, why: whyMetal(energy, metal) },
@@ -69,7 +71,7 @@ export function heightFieldOptics(
         why: `the surface tilts by ${roughness} rad`,
       },
       {
-        feature: `${lookups} lookups of the environment`,
+        feature: `at most ${lookups(environmentNodes)} lookups of the environment`,
         included: true,
         why: `they stand for all lines at all wavelengths; environmentNodes is ${environmentNodes}`,
       },

@@ -93,8 +93,10 @@ export class DiffractionMaterial extends ShaderMaterial {
   /** The settings of the optics in use; null before the first. */
   #applied: OpticsSettings | null = null
   #opticsDefines: string[] = []
-  #opticsUniforms: string[] = []
+  readonly #opticsUniforms = new Set<string>()
   #opticsFeatures: readonly Feature[] = []
+  /** Makes what an environment needs of the optics; null once it is there. */
+  #environmentUniforms: Optics['environmentUniforms'] | null = null
   #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
   /** What the lights of the last frame drawn asked of the optics. */
   #lightOptics: LightOptics = { defines: {}, features: [] }
@@ -495,23 +497,28 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.needsUpdate = true
   }
 
-  #apply({ defines, uniforms, features, underLights }: Optics): void {
+  #apply({ defines, uniforms, features, environmentUniforms, underLights }: Optics): void {
     this.#opticsFeatures = features
+    this.#environmentUniforms = environmentUniforms
     this.#underLights = underLights
     this.#largestRadius = -1
+    this.#takeUniforms(uniforms)
+    for (const name of this.#opticsDefines) if (!(name in defines)) this.#setDefine(name, false)
+    this.#opticsDefines = Object.keys(defines)
+    this.#setDefines(defines)
+    this.#applied = { ...this.#settings }
+    this.#setDefine('DIFFRACTION', this.#diffraction)
+  }
+
+  #takeUniforms(uniforms: Record<string, IUniform>): void {
     for (const [name, { value }] of Object.entries(uniforms)) {
       const uniform = (this.uniforms[name] ??= { value: null })
       // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
       // uploads it again with the next frame.
       if (uniform.value !== value) disposeTexture(uniform.value)
       uniform.value = value as unknown
+      this.#opticsUniforms.add(name)
     }
-    this.#opticsUniforms = Object.keys(uniforms)
-    for (const name of this.#opticsDefines) if (!(name in defines)) this.#setDefine(name, false)
-    this.#opticsDefines = Object.keys(defines)
-    this.#setDefines(defines)
-    this.#applied = { ...this.#settings }
-    this.#setDefine('DIFFRACTION', this.#diffraction)
   }
 
   /** Tables did not come: back to the settings of those in use. */
@@ -552,6 +559,10 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#setDefine('ENVIRONMENT_CUBE', environment?.isCube === true)
     this.#environmentRepaired = environment?.repaired ?? 0
     if (environment === null) return
+    if (this.#environmentUniforms !== null) {
+      this.#takeUniforms(this.#environmentUniforms())
+      this.#environmentUniforms = null
+    }
     const { texture, isCube, texel } = environment
     const euler = isOwn ? this.envMapRotation : scene.environmentRotation
     const rotation = this.uniforms.uEnvironmentRotation!.value as Matrix3

@@ -58,8 +58,10 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
       uGratingHeight: { value: settings.height },
       uLobeTable: { value: spectra.lobe() },
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },
-      uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
     },
+    environmentUniforms: () => ({
+      uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
+    }),
   }
 }
 

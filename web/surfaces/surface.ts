@@ -61,6 +61,8 @@ export interface Optics {
   features: readonly Feature[]
   defines: Record<string, string | number>
   uniforms: Record<string, IUniform>
+  /** Makes the uniforms that an environment needs besides; asked for once there is one. */
+  environmentUniforms: () => Record<string, IUniform>
   /** What of the optics depends on the largest angular radius of the lights in the scene, rad. */
   underLights: (angularRadius: number) => LightOptics
 }
