@@ -34,8 +34,10 @@ from precompute.height_fields.baked_lookup import ALONG_U, ALONG_V, OBSERVER, Ba
 from precompute.height_fields.cells import spectrum_cells
 from precompute.height_fields.expansion import terms_needed
 from precompute.height_fields.field import HeightField
+from precompute.height_fields.optics import HeightFieldOptics
 from precompute.height_fields.recipe import HeightFieldRecipe
 from precompute.height_fields.splines import coefficients, gaussian_moments
+from precompute.height_fields.window import BlurredLobes, CutWindow
 from precompute.lobes import EXPONENT_CUT
 from precompute.maps import Map, Table
 from precompute.spectra import (
@@ -94,6 +96,9 @@ SMOOTHING = 0.6
 that fewer samples stand for it. As much is taken off the blur, which is more wherever the grid
 resolves lobes."""
 
+CUT_TAIL = 0.03
+"""Amplitude of a cut window's lobe, of its peak, beyond which the table need not follow it."""
+
 GAPS = 1e-4
 """Ripple of a smoothed spectrum, relative."""
 
@@ -142,7 +147,7 @@ def baked_map(
         InputError: Roughness and light blur too little for the largest grid.
     """
     error = min(SHARE * recipe.error, LARGEST_ERROR)
-    blur = _Blur.of(recipe)
+    blur = _Blur.of(recipe, field.period)
     weights = _weights(recipe, file)
     spectrum = _spectrum(field, blur, blur.grid_steps(error, LEAST_W)[1])
     if not spectrum.powers.any():
@@ -154,8 +159,10 @@ def baked_map(
     sums = _ColourSum(spectrum.within(reach / WAVELENGTH_MIN), blur, (u, v), weights)
 
     nodes = _chebyshev_nodes(0, DIRECTION_MAX, _phase_nodes(field, SLICE_ERROR) + BLUR_NODES)
-    slices = np.stack([sums.at(w) / w for w in nodes.tolist()])
-    ψ, modes = _low_rank(slices, nodes, u, v, error)
+    # As w² begins all that order 0 is not in.
+    start = 1 if blur.cut is None else 0
+    slices = np.stack([sums.at(w) / w**start for w in nodes.tolist()])
+    ψ, modes = _low_rank(slices, start, nodes, u, v, error)
     w = Axis(
         name="sum of the cosines",
         symbol="w",
@@ -164,7 +171,7 @@ def baked_map(
         first=0,
         last=DIRECTION_MAX,
     )
-    ψ = w.parameters()[:, None] * (_interpolation(nodes, w.parameters()) @ ψ)
+    ψ = w.parameters()[:, None] ** start * (_interpolation(nodes, w.parameters()) @ ψ)
     scale = FULL_SCALE / np.abs(modes).max(axis=(1, 2, 3))
     result = Map(
         kind="height-field-baked",
@@ -173,7 +180,7 @@ def baked_map(
         tables={
             "modes": _packed_modes(modes * scale[:, None, None, None], u, v),
             "weights": _packed_weights(ψ / scale, w),
-            "coherent": _coherent(field, blur, weights),
+            "coherent": _coherent(field, blur, weights if blur.cut is None else 0 * weights),
             **spectrum_cells(field).tables(),
         },
         error={},
@@ -200,16 +207,23 @@ class _Blur:
         window: W = 1/(8π²σ²), 1/µm²: λ²W is the window's variance in (u, v).
         roughness: δ, rad.
         angular_radius: α, rad.
+        cut: The window along x and y where it is cut to some patches.
     """
 
     window: float
     roughness: float
     angular_radius: float
+    cut: tuple[CutWindow, CutWindow] | None
 
     @staticmethod
-    def of(recipe: HeightFieldRecipe) -> _Blur:
-        window = 1 / (8 * np.pi**2 * recipe.coherence**2)
-        return _Blur(window, recipe.roughness, recipe.angular_radius)
+    def of(recipe: HeightFieldRecipe, period: tuple[float, float]) -> _Blur:
+        optics = HeightFieldOptics(coherence=recipe.coherence, tiles=recipe.tiles)
+        return _Blur(
+            optics.window_variance,
+            recipe.roughness,
+            recipe.angular_radius,
+            optics.cut_windows(period),
+        )
 
     def variance(self, w: float) -> float:
         """(wδ)² + α²(1 + w²/4)/2.
@@ -226,9 +240,10 @@ class _Blur:
 
     @property
     def margin(self) -> float:
-        """Five deviations of the widest lobe: it is 4e-6 of its peak there."""
+        """Five deviations of the widest lobe, 4e-6 of its peak, and a cut window's tails."""
         widest = WAVELENGTH_MAX**2 * self.window + self.variance(DIRECTION_MAX)
-        return 5 * float(np.sqrt(widest))
+        tails = max((window.reach(CUT_TAIL) for window in self.cut or ()), default=0.0)
+        return 5 * float(np.sqrt(widest)) + WAVELENGTH_MAX * tails
 
     def grid_steps(self, error: float, w: float) -> tuple[float, float]:
         """Steps along u and v at which splines follow the narrowest lobe at w, to about an error.
@@ -250,8 +265,8 @@ class _Spectrum:
         fx, fy: Spatial frequencies, 1/µm.
         nodes: Chebyshev nodes of p, 1/µm.
         powers: Shape (nodes, fy, fx).
-        window: W, 1/µm².
-        smoothed: Variance by which powers are smoothed already, 1/µm²; 0 for lines.
+        window: W, 1/µm²; 0 where it is cut, and its lobes are in the powers.
+        smoothed: Variance by which powers are smoothed besides, 1/µm²; 0 for lines.
     """
 
     fx: Array
@@ -327,11 +342,12 @@ def _spectrum(field: HeightField, blur: _Blur, step: float) -> _Spectrum:
     smooth = SMOOTHING * step / WAVELENGTH_MAX
     # A row of Gaussians closes its gaps to 2 exp(−2π²V/h²).
     coarse = smooth * np.pi * np.sqrt(2 / np.log(2 / GAPS))
-    is_dense = coarse > max(1 / period for period in field.period)
+    is_dense = coarse > max(1 / period for period in field.period) or blur.cut is not None
     to_x, to_y = (_lattice(f, coarse) if is_dense else f for f in (fx, fy))
+    cut_x, cut_y = blur.cut or (None, None)
     over_x, over_y = (
-        _smoothing(to, f, smooth) if is_dense else np.eye(len(f), dtype=np.float32)
-        for to, f in ((to_x, fx), (to_y, fy))
+        _smoothing(to, f, smooth, cut) if is_dense else np.eye(len(f), dtype=np.float32)
+        for to, f, cut in ((to_x, fx, cut_x), (to_y, fy, cut_y))
     )
     nodes = _chebyshev_nodes(0, FARTHEST, _phase_nodes(field, SPECTRUM_ERROR))
     heights = field.amplitude * field.centred
@@ -339,9 +355,11 @@ def _spectrum(field: HeightField, blur: _Blur, step: float) -> _Spectrum:
     for power, p in zip(powers, nodes, strict=True):
         amplitudes = np.asarray(scipy.fft.ifft2(np.exp(2j * np.pi * p * heights), workers=-1))
         lines = (np.abs(amplitudes[np.ix_(rows, columns)]) ** 2).astype(np.float32)
-        lines[rows == 0, columns == 0] = 0
+        if blur.cut is None:
+            lines[rows == 0, columns == 0] = 0
         power[:] = over_y @ lines @ over_x.T
-    return _Spectrum(to_x, to_y, nodes, powers, blur.window, smooth**2 if is_dense else 0.0)
+    window = blur.window if blur.cut is None else 0.0
+    return _Spectrum(to_x, to_y, nodes, powers, window, smooth**2 if is_dense else 0.0)
 
 
 def _lattice(frequencies: Array, step: float) -> Array:
@@ -350,11 +368,18 @@ def _lattice(frequencies: Array, step: float) -> Array:
     return step * np.arange(-last, last + 1.0)
 
 
-def _smoothing(to: Array, of: Array, deviation: float) -> Singles:
-    """What spreads powers at `of` over samples at `to` by a Gaussian, (len(to), len(of))."""
-    distance = (to[:, None] - of) / deviation
-    share = (to[1] - to[0]) / deviation / np.sqrt(2 * np.pi)
-    return (share * np.exp(-(distance**2) / 2)).astype(np.float32)
+def _smoothing(to: Array, of: Array, deviation: float, cut: CutWindow | None) -> Singles:
+    """What spreads powers at `of` over samples at `to`, shape (len(to), len(of)).
+
+    By a Gaussian, and by the lobe of a window that is cut.
+    """
+    distance = to[:, None] - of
+    if cut is None:
+        density = np.exp(-((distance / deviation) ** 2) / 2) / (np.sqrt(2 * np.pi) * deviation)
+    else:
+        lobes = BlurredLobes(cut, (deviation, deviation), float(np.abs(distance).max()))
+        density = lobes(distance, np.full_like(distance, deviation))
+    return ((to[1] - to[0]) * density).astype(np.float32)
 
 
 def _grid_axes(
@@ -488,24 +513,27 @@ def _interpolation(nodes: Array, to: Array) -> Array:
     return at @ at_nodes.T
 
 
-def _low_rank(slices: Singles, nodes: Array, u: Axis, v: Axis, error: float) -> tuple[Array, Array]:
+def _low_rank(
+    slices: Singles, start: int, nodes: Array, u: Axis, v: Axis, error: float
+) -> tuple[Array, Array]:
     """As few products as keep what is seen within an error, by singular values.
 
     The singular values are those of I √w in the mean square, about what best serves light and views
     from everywhere: radiance is I/w² times what depends on (u, v), and w is seldom small.
 
     Args:
-        slices: I/w at Chebyshev nodes of w, shape (nodes, 3, v, u).
+        slices: I over w to the power `start` at Chebyshev nodes of w, shape (nodes, 3, v, u).
+        start: That power.
         nodes: w.
         u: Axis of the slices.
         v: Likewise.
         error: Relative, of the radiance in the mean square over all light and views.
 
     Returns:
-        ψ/w at the nodes, shape (nodes, modes), and B, shape (modes, 3, v, u).
+        ψ/w^start at the nodes, shape (nodes, modes), and B, shape (modes, 3, v, u).
     """
     # Nodes are dense at both ends: each stands for a step √(1 − x²) of w.
-    scale = (1 - (2 * nodes / DIRECTION_MAX - 1) ** 2) ** 0.25 * nodes**1.5
+    scale = (1 - (2 * nodes / DIRECTION_MAX - 1) ** 2) ** 0.25 * nodes ** (start + 0.5)
     rows = scale[:, None] * slices.reshape(len(nodes), -1)
     gram = np.zeros((len(nodes), len(nodes)))
     for part in np.array_split(rows, 64, axis=1):
@@ -521,7 +549,7 @@ def _low_rank(slices: Singles, nodes: Array, u: Axis, v: Axis, error: float) -> 
         for axis, x in ((v, seen[1]), (u, seen[0]))
     )
     there = slices[:, :, row, column]
-    over_w = _interpolation(nodes, seen[2]) * weight[:, None]
+    over_w = _interpolation(nodes, seen[2]) * (weight * seen[2] ** start)[:, None]
     exact = np.einsum("nk,kcn->nc", over_w, there)
     left = exact.copy()
     count = 0
@@ -537,16 +565,16 @@ def _low_rank(slices: Singles, nodes: Array, u: Axis, v: Axis, error: float) -> 
 
 
 def _seen_directions() -> tuple[Array, Array]:
-    """(u, v, w) of light and view both distributed as the cosine, and what multiplies I/w there.
+    """(u, v, w) of light and view both distributed as the cosine, and what multiplies I there.
 
-    That is f_r cosθ_i cosθ_o: (1 + ω_i·ω_o)²/w² of I.
+    That gives f_r cosθ_i cosθ_o: (1 + ω_i·ω_o)²/w².
 
     Returns:
         Shape (3, n) and (n,).
     """
     wi, wo = cosine_directions(4096, 0), cosine_directions(4096, 1)
     uvw = (wi + wo).T
-    return uvw, (1 + np.sum(wi * wo, axis=1)) ** 2 / uvw[2]
+    return uvw, (1 + np.sum(wi * wo, axis=1)) ** 2 / uvw[2] ** 2
 
 
 def cosine_directions(count: int, seed: int) -> Array:

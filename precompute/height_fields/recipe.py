@@ -7,7 +7,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PositiveInt,
+    ValidationInfo,
+    field_validator,
+)
 
 from precompute.spectra import Metal
 
@@ -265,6 +273,8 @@ class HeightFieldRecipe(_Part):
         roughness: Standard deviation of the normal's tilt, rad; this and the rest for ``baked``.
         angular_radius: Standard deviation of the light's disc, rad.
         coherence: σ of the Gaussian coherence window exp(−r²/2σ²), µm.
+        tiles: How many patches the window is cut to along x and y; one number stands for both.
+            ``null``: the patch repeats for ever.
         metal: The metal, which gives R(λ); ``null`` for R = 1.
         illuminant: Name or CSV path of the light's spectrum.
     """
@@ -282,6 +292,7 @@ class HeightFieldRecipe(_Part):
     roughness: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     angular_radius: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     coherence: Length = 16.25
+    tiles: Annotated[tuple[PositiveInt, PositiveInt] | None, BeforeValidator(_pair)] = None
     metal: Metal | None = "aluminium"
     illuminant: str = "D65"
 

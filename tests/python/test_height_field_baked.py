@@ -183,6 +183,18 @@ def test_a_long_patch() -> None:
     assert relative_rmse(found, expected) < 0.008
 
 
+def test_finite_repeats() -> None:
+    """Lobes of a cut window, side lobes and all, against convolutions in the reference."""
+    field, stated = generated(Bumps()), recipe(roughness=2 * DEGREE, tiles=(2, 3))
+    optics = HeightFieldOptics(roughness=stated.roughness, tiles=stated.tiles)
+    wi, wo = views(10, 30)
+    expected = colour_brdf(field, optics, wi, wo, Light())
+    found = BakedLookup(baked_map(field, stated)).colour_brdf(wi, wo, Light())
+    endless = HeightFieldOptics(roughness=stated.roughness)
+    assert relative_rmse(colour_brdf(field, endless, wi, wo, Light()), expected) > 0.1
+    assert relative_rmse(found, expected) < 0.01
+
+
 def test_grazing_light_and_views(shallow: tuple[HeightField, HeightFieldRecipe, Map]) -> None:
     """I falls with w², so that f_r cosθ_i cosθ_o stays within bounds all the way to the horizon."""
     lookup = BakedLookup(shallow[2])

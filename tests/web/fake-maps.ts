@@ -114,7 +114,13 @@ function fakeCells(): FakeArray[] {
 /** A baked pattern of one mode, for a roughness of 0.02 rad on gold. */
 export function fakeBaked(): FakeMap {
   const constants = { modes: 1, u_max: 2, v_max: 2, angular_radius: 0 }
-  const recipe = { roughness: 0.02, coherence: 16.25, illuminant: 'D65', metal: 'gold' }
+  const recipe = {
+    roughness: 0.02,
+    coherence: 16.25,
+    illuminant: 'D65',
+    metal: 'gold',
+    tiles: null,
+  }
   const arrays: FakeArray[] = [
     {
       name: 'modes',

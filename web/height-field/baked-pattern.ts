@@ -12,6 +12,7 @@ import { floatLiteral } from '../glsl/float-literal'
 import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load'
 import { sharedTexture, unfiltered } from '../maps/shared-texture'
 import type { LightOptics, OpticsSettings } from '../surfaces/surface'
+import type { Tiles } from './cut-window'
 import type { Pattern } from './optics'
 
 /** Defines and uniforms of shaders/baked-pattern.glsl; refuses settings other than those that were baked in. */
@@ -19,6 +20,7 @@ export function bakedPattern(
   relief: LoadedMap,
   settings: OpticsSettings,
   isDielectric: boolean,
+  tiles: Tiles | null,
 ): Pattern {
   const { recipe } = relief.sidecar
   const asked = {
@@ -28,10 +30,11 @@ export function bakedPattern(
     observer: settings.observer,
     metal: isDielectric ? null : settings.metal,
     energy: settings.energy,
+    tiles,
   }
   const baked: Record<string, unknown> = { ...recipe, observer: '1931-2', energy: 'kirchhoff' }
   for (const [field, value] of Object.entries(asked))
-    if (value !== baked[field])
+    if (JSON.stringify(value) !== JSON.stringify(baked[field]))
       throw new DiffractionError({
         file: `${relief.url}.json`,
         field,

@@ -41,7 +41,7 @@ export function heightFieldOptics(
   const metal = isRelative || isDielectric ? null : settings.metal
   const pattern =
     method === 'baked'
-      ? bakedPattern(relief, settings, isDielectric)
+      ? bakedPattern(relief, settings, isDielectric, tiles)
       : lineSpectrum({ relief, lobes, metals }, settings, metal, tiles)
   const { defines, uniforms } = spectrumOptics(lobes, settings)
   return {

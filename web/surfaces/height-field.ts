@@ -23,14 +23,14 @@ export interface HeightFieldOptions {
   ior?: number | null
   /**
    * How many patches light sees: one number, or one along x and one along y; null (default) where the patch repeats for
-   * ever. Methods 'jacobi-anger' and 'taylor' alone can show it.
+   * ever. Not for the method 'line-sum'; 'baked' shows those that were baked in.
    */
   tiles?: number | Tiles | null
 }
 
-// A finite window's lobes are no Gaussians, on which the others rest.
-const SERIES = ['jacobi-anger', 'taylor'] as const
-const ALL = ['line-sum', 'baked', ...SERIES] as const
+// A finite window's lobes are no Gaussians, on which 'line-sum' rests.
+const WITH_TILES = ['jacobi-anger', 'taylor', 'baked'] as const
+const ALL = ['line-sum', 'baked', 'jacobi-anger', 'taylor'] as const
 
 /** A measured or generated relief that repeats over the whole surface. */
 export class HeightField implements Surface {
@@ -68,7 +68,7 @@ export class HeightField implements Surface {
       })
     this.field = field
     this.tiles = tiles === null ? null : pairOfCounts(tiles)
-    this.methods = this.tiles === null ? ALL : SERIES
+    this.methods = this.tiles === null ? ALL : WITH_TILES
     this.orientation = orientation
     this.strength = strength
     this.ior = ior
