@@ -16,6 +16,9 @@ lobe on a grid whose step is the lobe's deviation, and linear along u, where the
 twice as many texels: a shader reads one with two bilinear lookups, where cubic ones both ways would
 be four, and linear ones would be one from a table twice as large. Where w is so small that lobes
 are narrower than a step, they are widened and keep their energy.
+
+A window that is cut to some patches has lobes with tails (`precompute.height_fields.window`). They
+are put into the powers, on a lattice, and order 0 into the modes, its own table being dark.
 """
 
 from __future__ import annotations
