@@ -48,8 +48,7 @@ def propagating_orders(direction: Array, wavelength: ArrayLike, period: float) -
     λ = float(np.asarray(wavelength))
     limit = int(np.ceil(2 * period / λ))
     orders = np.arange(-limit, limit + 1)
-    tangential = -direction[0] + orders * λ / period
-    return orders[tangential**2 + direction[1] ** 2 < 1]
+    return orders[_squared_cosine(direction, orders * λ / period) > 0]
 
 
 def order_direction(
@@ -71,11 +70,21 @@ def order_direction(
     >>> order_direction(np.array([0.0, -0.5, 0.866]), 1, 0.5, 1.0).round(3).tolist()
     [0.5, 0.5, 0.707]
     """
-    x = -direction[..., 0] + np.asarray(order) * np.asarray(wavelength) / period
+    offset = np.asarray(order) * np.asarray(wavelength) / period
+    x = offset - direction[..., 0]
     y = np.broadcast_to(-direction[..., 1], x.shape)
-    z_squared = 1 - x**2 - y**2
+    z_squared = _squared_cosine(direction, offset)
     z = np.sqrt(np.where(z_squared > 0, z_squared, np.nan))
     return np.stack([x, y, z], axis=-1)
+
+
+def _squared_cosine(direction: Array, offset: NDArray[np.floating]) -> NDArray[np.floating]:
+    """1 − x² − y² of an order at x = offset − ω_x, y = −ω_y, below 0 where it does not propagate.
+
+    Written from ω_z, so that order 0 keeps its cosine however close it is to the horizon: below
+    1e-8 nothing of its square is left in 1 − x² − y².
+    """
+    return direction[..., 2] ** 2 + offset * (2 * direction[..., 0] - offset)
 
 
 def propagating_efficiency(grating: Grating, direction: Array, wavelength: ArrayLike) -> Array:

@@ -19,7 +19,8 @@ uniform float uReliefIor;  // refractive index, above 1
 // nodes' colours. Relative: over that at normal incidence.
 float reflectance(vec3 wi, vec3 wo) {
 	#ifdef DIELECTRIC
-	float r = fresnelDielectric(sqrt(0.5 * (1.0 + dot(wi, wo))), uReliefIor);
+	// Opposite directions, edge-on both: rounding may leave the sum below zero.
+	float r = fresnelDielectric(sqrt(max(0.5 + 0.5 * dot(wi, wo), 0.0)), uReliefIor);
 	#ifdef ENERGY_RELATIVE
 	r /= fresnelDielectric(1.0, uReliefIor);
 	#endif // ENERGY_RELATIVE

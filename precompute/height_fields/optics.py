@@ -77,7 +77,8 @@ class HeightFieldOptics(BaseModel):
             Shape (n,), in [0, 1].
         """
         if self.ior is not None:
-            return _fresnel(self.ior, (1 + np.sum(wi * wo, axis=-1)) / 2)
+            # Opposite directions, edge-on both: rounding may leave the sum below zero.
+            return _fresnel(self.ior, np.maximum(1 + np.sum(wi * wo, axis=-1), 0) / 2)
         if self.metal is not None:
             return metal_reflectance(self.metal, wavelength)
         return np.ones(len(wi))

@@ -89,7 +89,9 @@ export async function buildSurface(description: SurfaceDescription): Promise<Sur
   })
 }
 
-async function buildMaterial(description: SceneDescription): Promise<DiffractionMaterial> {
+export async function buildMaterial(
+  description: Pick<SceneDescription, 'material' | 'mesh' | 'surface'>,
+): Promise<DiffractionMaterial> {
   const { color, ...options } = description.material ?? {}
   const { side = 'front' } = description.mesh
   const material = new DiffractionMaterial({

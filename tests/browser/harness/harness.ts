@@ -1,6 +1,12 @@
 import { WebGLRenderer } from 'three'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
+import {
+  drawSets,
+  type StabilityProgram,
+  type StabilityResult,
+  type StabilitySet,
+} from './stability'
 import { probeFeatures, type ProbeName } from './three-features'
 import { drawVariants } from './variants'
 import { timeMaterials, type TimingRequest } from './timing'
@@ -17,6 +23,8 @@ export interface Harness {
   timeMaterials: (request: TimingRequest) => Promise<Record<string, number>>
   /** Draws the material in every variant; returns failures by the variant's name. */
   drawVariants: () => Promise<Record<string, string>>
+  /** Draws one program with many sets of parameters. */
+  drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -56,6 +64,7 @@ window.harness = {
     }
   },
   timeMaterials: (request) => timeMaterials(renderer, request),
+  drawSets: (program, sets) => drawSets(renderer, program, sets),
   drawVariants,
   probeFeatures,
 }
