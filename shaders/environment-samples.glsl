@@ -45,7 +45,7 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 		float reach = max(3.4641016 * sqrt(r2) * blur, 1e-6);
 		float above = clamp(0.5 + 0.5 * (1.0 - r2) / reach, 0.0, 1.0);
 		if (above <= 0.0) continue;
-		float high = sqrt(1.0 - r2 + reach);
+		float high = sqrt(max(1.0 - r2 + reach, 0.0));
 		float low = sqrt(max(1.0 - r2 - reach, 0.0));
 		vec3 i = normalize(vec3(xy, 0.5 * (low + high)));
 		float w = o.z + i.z;
