@@ -104,14 +104,20 @@ def test_splines_weigh_texels() -> None:
     assert along == pytest.approx([0, 1, 0, 0, 0.5, 0])
 
 
+@pytest.mark.parametrize(
+    ("error", "least_w", "bound"),
+    [(1e-3, 1.3, 0.009), (3e-4, 1.0, 0.006)],  # what is asked for in the recipe is had
+)
 @pytest.mark.parametrize("angular_radius", [0.0, 0.00465])
-def test_pattern_of_a_cosine_in_closed_form(angular_radius: float) -> None:
+def test_pattern_of_a_cosine_in_closed_form(
+    angular_radius: float, error: float, least_w: float, bound: float
+) -> None:
     """η_m = J_m(π w h/λ)², each order a Gaussian about u = mλ/a; light of a point or of the sun."""
     height, period = 0.3, 2.5
     field = generated(Cosine(height=height, period=period))
-    stated = recipe(metal=None, angular_radius=angular_radius)
+    stated = recipe(metal=None, angular_radius=angular_radius, error=error)
     rng = np.random.default_rng(1)
-    u, w = rng.uniform(-1, 1, 200), rng.uniform(1.3, 1.7, 200)
+    u, w = rng.uniform(-1, 1, 200), rng.uniform(least_w, 1.7, 200)
     v = 0.02 * rng.normal(size=200)
     weights = colour_weights("1931-2", "D65") * WAVELENGTH_STEP
     window = 1 / (8 * np.pi**2 * 16.25**2)
@@ -124,7 +130,7 @@ def test_pattern_of_a_cosine_in_closed_form(angular_radius: float) -> None:
             lobe = np.exp(-((u - m * λ / period) ** 2 + v**2) / (2 * C)) / (2 * np.pi * C)
             expected += (η * lobe)[:, None] * weight
     found = BakedLookup(baked_map(field, stated)).pattern(u, v, w)
-    assert relative_rmse(found, expected) < 0.009
+    assert relative_rmse(found, expected) < bound
 
 
 def test_a_nearly_flat_relief_is_a_mirror() -> None:
