@@ -97,7 +97,7 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 
 // Radiance (XYZ) towards wo from one light: f_r cosθ_i times its irradiance. Zero below the horizon. wi, wo: unit, view
 // space.
-vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum light) {
+vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum light) {
 	vec3 i = inFrame(p, wi);
 	vec3 o = inFrame(p, wo);
 	if (i.z <= 0.0 || o.z <= 0.0 || p.frequency <= 0.0) return vec3(0.0);
@@ -131,7 +131,7 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 #ifdef ENVIRONMENT
 // Radiance (XYZ) towards wo from the environment: for each spectral node the mean of what the propagating orders see,
 // weighted by their efficiencies. wo: unit, view space.
-vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
+vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	vec3 o = inFrame(p, wo);
 	if (o.z <= 0.0) return vec3(0.0);
 	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations.

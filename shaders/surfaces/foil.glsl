@@ -1,10 +1,125 @@
-// A map of gratings: orientation, frequency and strength at every texel.
+// A map of gratings: orientation, frequency and strength at every texel. Where FOIL_GRATINGS is defined a pixel that
+// covers many texels shows the mean of their radiance, Σ share · radiance over the foil's gratings.
 #include "surface-point.glsl"
 
+uniform vec2 uFoilRepeat;      // tiles along u and v
+
+#ifdef DIFFRACTION
+#include "grating.glsl"
+#endif // DIFFRACTION
+
+#if defined(DIFFRACTION) && defined(FOIL_GRATINGS)
+// Orientations have no mean, but shares do: what share of a pixel each grating of the foil covers, strength included, is
+// a mean over texels that mip levels hold and texture units filter. Four gratings to a layer.
+uniform mediump sampler2DArray uFoilShares;
+uniform vec3 uFoilGratings[FOIL_GRATINGS];  // cos θ, sin θ, frequency in 1/µm
+
+// Less than half an 8-bit step of a share is none.
+#define SMALLEST_SHARE 0.001
+
+// A texture unit weighs texels by a tent wider than what it is asked for. A pixel that covers more than a texel is read by
+// a grid of taps, so many along each side, each asking for this share of its cell, whose sum comes close to a box. Twice
+// as many taps halve the error where a pixel is 16 texels wide or more.
+#define FOIL_TAPS 4
+#define FOIL_TAP_WIDTH 0.7
+
+struct FoilFootprint {
+	int taps;      // along each side of the pixel
+	vec2 uv;       // of its middle, in tiles
+	vec2 alongX;   // change of uv over the pixel
+	vec2 alongY;
+	uint present;  // a bit for each grating that has a share
+};
+FoilFootprint foilFootprint;
+
+// The mesh's frame, from which each grating's own follows, and the share of the pixel that diffracts.
+SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
+	foilFootprint = FoilFootprint(FOIL_TAPS, uv * uFoilRepeat, dFdx(uv) * uFoilRepeat, dFdy(uv) * uFoilRepeat, 0u);
+	vec2 texels = vec2(textureSize(uFoilShares, 0));
+	vec2 x = foilFootprint.alongX * texels, y = foilFootprint.alongY * texels;
+	if (max(dot(x, x), dot(y, y)) <= 1.0) {
+		// A texel is as wide as a pixel: there is nothing to average. Its middle has no share of its neighbours.
+		vec2 middle = (floor(foilFootprint.uv * texels) + 0.5) / texels;
+		foilFootprint = FoilFootprint(1, middle, vec2(0.0), vec2(0.0), 0u);
+	}
+	float strength = 0.0;
+	for (int layer = 0; 4 * layer < FOIL_GRATINGS; layer++) {
+		vec3 at = vec3(foilFootprint.uv, layer);
+		vec4 shares = textureGrad(uFoilShares, at, foilFootprint.alongX, foilFootprint.alongY);
+		strength += shares.x + shares.y + shares.z + shares.w;
+		uvec4 bits = uvec4(greaterThan(shares, vec4(SMALLEST_SHARE))) * uvec4(1u, 2u, 4u, 8u);
+		foilFootprint.present |= (bits.x + bits.y + bits.z + bits.w) << (4 * layer);
+	}
+	return SurfacePoint(tangent, bitangent, normal, 0.0, min(strength, 1.0));
+}
+
+// Share of a grating in the pixel, the mean over a grid of taps.
+float foilShare(int number) {
+	float taps = float(foilFootprint.taps);
+	vec2 cellX = foilFootprint.alongX / taps, cellY = foilFootprint.alongY / taps;
+	float share = 0.0;
+	for (int i = 0; i < foilFootprint.taps; i++)
+		for (int j = 0; j < foilFootprint.taps; j++) {
+			vec2 at = vec2(i, j) - 0.5 * (taps - 1.0);
+			vec3 place = vec3(foilFootprint.uv + at.x * cellX + at.y * cellY, number / 4);
+			share += textureGrad(uFoilShares, place, FOIL_TAP_WIDTH * cellX, FOIL_TAP_WIDTH * cellY)[number % 4];
+		}
+	return share / (taps * taps);
+}
+
+// Number of the lowest bit that is set. A power of two is exact as a float, its exponent is the bit's number.
+int lowestBit(uint bits) {
+	return (floatBitsToInt(float(bits & (~bits + 1u))) >> 23) - 127;
+}
+
+// A grating of the foil in the mesh's frame; strength: its share of what diffracts in the pixel.
+SurfacePoint foilGrating(SurfacePoint p, int number) {
+	vec3 grating = uFoilGratings[number];
+	return SurfacePoint(
+		grating.x * p.tangent + grating.y * p.bitangent,
+		grating.x * p.bitangent - grating.y * p.tangent,
+		p.normal, grating.z, foilShare(number) / p.strength
+	);
+}
+
+// Radiance (XYZ) towards wo from one light, the mean over the pixel's gratings. wi, wo: unit, view space.
+vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum light) {
+	vec3 xyz = vec3(0.0);
+	// Most gratings are dark under one light: with v along its grooves a grating is seen only within its lobe's reach of
+	// v = 0. The lit ones are found first, so that neighbouring pixels sum as many as each of them has.
+	vec3 sum = wi + wo;
+	vec2 uv = vec2(dot(sum, p.tangent), dot(sum, p.bitangent));
+	float tilt = dot(sum, p.normal) * uRoughness;
+	float variance = uWindowVariance / (WAVENUMBER_MIN * WAVENUMBER_MIN) + tilt * tilt + light.angularRadius * light.angularRadius;
+	float reach2 = 2.0 * EXPONENT_CUT * variance;
+	uint lit = 0u;
+	for (int k = 0; k < FOIL_GRATINGS; k++) {
+		float v = uFoilGratings[k].x * uv.y - uFoilGratings[k].y * uv.x;
+		if (v * v <= reach2) lit |= 1u << k;
+	}
+	for (lit &= foilFootprint.present; lit != 0u; lit &= lit - 1u) {
+		SurfacePoint grating = foilGrating(p, lowestBit(lit));
+		xyz += grating.strength * gratingRadianceFromLight(grating, wi, wo, light);
+	}
+	return xyz;
+}
+
+#ifdef ENVIRONMENT
+// Radiance (XYZ) towards wo from the environment, the mean over the pixel's gratings. wo: unit, view space.
+vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
+	vec3 xyz = vec3(0.0);
+	for (uint left = foilFootprint.present; left != 0u; left &= left - 1u) {
+		SurfacePoint grating = foilGrating(p, lowestBit(left));
+		xyz += grating.strength * gratingRadianceFromEnvironment(grating, wo);
+	}
+	return xyz;
+}
+#endif // ENVIRONMENT
+
+#else
 uniform sampler2D uFoilMap;    // cos 2θ, sin 2θ, frequency, strength, as stored
 uniform vec4 uFoilOffset;      // value = offset + scale · texel; frequency in 1/µm
 uniform vec4 uFoilScale;
-uniform vec2 uFoilRepeat;      // tiles along u and v
 
 // tangent, bitangent, normal: orthonormal, view space, tangent towards growing u; uv: texture coordinates, 1.
 SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
@@ -23,5 +138,16 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 }
 
 #ifdef DIFFRACTION
-#include "grating.glsl"
+// Radiance (XYZ) towards wo from one light. wi, wo: unit, view space.
+vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum light) {
+	return gratingRadianceFromLight(p, wi, wo, light);
+}
+
+#ifdef ENVIRONMENT
+// Radiance (XYZ) towards wo from the environment. wo: unit, view space.
+vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
+	return gratingRadianceFromEnvironment(p, wo);
+}
+#endif // ENVIRONMENT
 #endif // DIFFRACTION
+#endif // DIFFRACTION, FOIL_GRATINGS

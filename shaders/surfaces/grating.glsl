@@ -28,4 +28,16 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 
 #ifdef DIFFRACTION
 #include "grating.glsl"
+
+// Radiance (XYZ) towards wo from one light. wi, wo: unit, view space.
+vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum light) {
+	return gratingRadianceFromLight(p, wi, wo, light);
+}
+
+#ifdef ENVIRONMENT
+// Radiance (XYZ) towards wo from the environment. wo: unit, view space.
+vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
+	return gratingRadianceFromEnvironment(p, wo);
+}
+#endif // ENVIRONMENT
 #endif // DIFFRACTION

@@ -178,8 +178,11 @@ export function fakeTerms(): FakeMap {
   ])
 }
 
-/** A foil of 2 × 2 texels as a PNG of 8 bits. */
-export function fakeFoil(pixels = Uint8Array.from({ length: 16 }, (_, i) => 16 * i)): FakeMap {
+/** A foil of 2 × 2 texels, or another [width, height], as a PNG of 8 bits. */
+export function fakeFoil(
+  pixels = Uint8Array.from({ length: 16 }, (_, i) => 16 * i),
+  [width, height]: [number, number] = [2, 2],
+): FakeMap {
   const constants = { height_um: 0.1, min_frequency: 0.4, max_frequency: 0.8, tile_mm: [10, 10] }
   return makeMap(
     'foil',
@@ -187,9 +190,9 @@ export function fakeFoil(pixels = Uint8Array.from({ length: 16 }, (_, i) => 16 *
     [
       {
         name: 'grating',
-        bytes: png(2, 2, pixels),
+        bytes: png(width, height, pixels),
         dtype: 'uint8',
-        shape: [2, 2, 4],
+        shape: [height, width, 4],
         decode: [
           [-1, 2],
           [-1, 2],

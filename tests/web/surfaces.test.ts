@@ -2,7 +2,7 @@ import { Vector2 } from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { loadMap } from '../../web/maps/load'
 import { DEFAULT_SETTINGS } from '../../web/materials/options'
-import { Foil } from '../../web/surfaces/foil'
+import { Foil, type FoilOptions } from '../../web/surfaces/foil'
 import { Grating } from '../../web/surfaces/grating'
 import { serveBakedMaps } from './baked-maps'
 import { fakeFoil, fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles } from './fake-maps'
@@ -114,6 +114,28 @@ describe('a foil', () => {
     const map = await loadMap('maps/foil')
     expect(new Foil(map, { height: 0.2 }).height).toBe(0.2)
     refuses(() => new Foil(map, { height: NaN }), 'Foil', 'height')
+  })
+
+  it('shows the mean of its texels unless told not to, and says so', async () => {
+    serveBakedMaps()
+    const tables = {
+      profile: await loadMap('maps/baked/profile-sinusoidal'),
+      lobes: await loadMap('maps/baked/lobes-1931-2-D65'),
+      metals: await loadMap('maps/baked/metals'),
+    }
+    const map = await loadMap('maps/baked/foil-polygons')
+    const filtered = (options: FoilOptions) => {
+      const { defines, uniforms, features } = new Foil(map, options).optics(
+        tables,
+        DEFAULT_SETTINGS,
+      )
+      const said = features.find(({ feature }) => feature === 'mean over the texels of a pixel')!
+      expect('uFoilShares' in uniforms).toBe(said.included)
+      expect(defines['FOIL_GRATINGS']).toBe(said.included ? 12 : undefined)
+      return said.included
+    }
+    expect(filtered({})).toBe(true)
+    expect(filtered({ filtered: false })).toBe(false)
   })
 
   it('refuses a map of another kind, and a repeat that is none', async () => {

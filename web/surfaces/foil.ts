@@ -4,7 +4,9 @@ import { DiffractionError } from '../errors'
 import { loadSharedMap } from '../maps/cache'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load'
 import { imageTexture } from '../maps/image-texture'
+import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares'
 import { GratingSurface } from './grating-surface'
+import type { Optics, OpticsSettings } from './surface'
 
 export interface FoilOptions {
   /** Tiles along u and v; (1, 1) by default. */
@@ -13,6 +15,8 @@ export interface FoilOptions {
   height?: number
   /** The gratings' profile; the recipe's by default. */
   profile?: string
+  /** Whether pixels that cover many texels show their mean, true by default; false shows one texel of them. */
+  filtered?: boolean
 }
 
 /** A map of gratings: a holographic foil, synthetic or measured. */
@@ -23,7 +27,10 @@ export class Foil extends GratingSurface {
   readonly uniforms
   /** Size of one tile, mm. */
   readonly tile: readonly [number, number]
+  /** Whether pixels that cover many texels show their mean. */
+  readonly filtered: boolean
   protected readonly periodRange: readonly [number, number]
+  readonly #shares: FoilShares | null
 
   /** Loads the map at an address without extension, as in `maps/baked/foil-dots`. */
   static async load(url: string, options: FoilOptions = {}): Promise<Foil> {
@@ -49,6 +56,36 @@ export class Foil extends GratingSurface {
       uFoilRepeat: { value: options.repeat?.clone() ?? new Vector2(1, 1) },
     }
     this.repeat = this.uniforms.uFoilRepeat.value
+    this.filtered = options.filtered ?? true
+    this.#shares = this.filtered ? foilShares(map) : null
+  }
+
+  override optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
+    const optics = super.optics(tables, settings)
+    const shares = this.#shares
+    const feature = {
+      feature: 'mean over the texels of a pixel',
+      included: shares !== null,
+      why:
+        shares !== null
+          ? `the foil has ${shares.gratings.length} gratings, whose shares mip levels hold`
+          : this.filtered
+            ? `the foil has none, or more than ${MOST_GRATINGS} gratings: the nearest texel is shown`
+            : 'filtered is false: the nearest texel is shown',
+    }
+    const features = [...optics.features, feature]
+    if (shares === null) return { ...optics, features }
+    const { gratings, texture } = shares
+    return {
+      ...optics,
+      features,
+      defines: { ...optics.defines, FOIL_GRATINGS: gratings.length },
+      uniforms: {
+        ...optics.uniforms,
+        uFoilShares: { value: texture },
+        uFoilGratings: { value: gratings },
+      },
+    }
   }
 
   /** Tiles along u and v. */

@@ -82,10 +82,11 @@ export async function buildScene(description: SceneDescription): Promise<BuiltSc
 export async function buildSurface(description: SurfaceDescription): Promise<Surface> {
   if (description.kind === 'grating') return new Grating(description)
   if (description.kind === 'height-field') return new HeightField(description)
-  const { map, repeat, height } = description
+  const { map, repeat, height, filtered } = description
   return Foil.load(map, {
     ...(repeat && { repeat: new Vector2(...repeat) }),
     ...(height !== undefined && { height }),
+    ...(filtered !== undefined && { filtered }),
   })
 }
 

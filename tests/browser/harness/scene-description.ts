@@ -31,7 +31,7 @@ export type MeshDescription = (
 export type SurfaceDescription =
   | ({ kind: 'grating' } & GratingOptions)
   | ({ kind: 'height-field' } & HeightFieldOptions)
-  | { kind: 'foil'; map: string; repeat?: [number, number]; height?: number }
+  | { kind: 'foil'; map: string; repeat?: [number, number]; height?: number; filtered?: boolean }
 
 export type MaterialDescription = Omit<
   DiffractionMaterialOptions,

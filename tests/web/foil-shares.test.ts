@@ -1,0 +1,64 @@
+import { afterEach, describe, expect, it, vi } from 'vitest'
+import { loadMap } from '../../web/maps/load'
+import { foilShares, MOST_GRATINGS } from '../../web/surfaces/foil-shares'
+import { fakeFoil, filesOf, serveFiles } from './fake-maps'
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+/** Stored cos 2θ and sin 2θ: θ = 0 and θ = 90°, near enough for 8 bits. */
+const ALONG = [255, 128]
+const ACROSS = [0, 128]
+
+async function sharesOf(width: number, height: number, texels: number[][]) {
+  const foil = fakeFoil(Uint8Array.from(texels.flat()), [width, height])
+  serveFiles(filesOf({ 'maps/foil': foil }))
+  return foilShares(await loadMap('maps/foil'))
+}
+
+describe('the shares of a foil', () => {
+  it('has a channel for each grating, rows from the bottom', async () => {
+    const shares = await sharesOf(2, 2, [
+      [...ALONG, 255, 255],
+      [...ACROSS, 255, 51],
+      [...ALONG, 255, 0],
+      [...ALONG, 128, 102],
+    ])
+    const { gratings, texture } = shares!
+    expect(gratings).toHaveLength(3)
+    const { data, width, height, depth } = texture.image
+    expect([width, height, depth]).toEqual([2, 2, 1])
+    // The image's top row is the texture's second.
+    expect([...data!]).toEqual([0, 0, 0, 0, 0, 0, 102, 0, 255, 0, 0, 0, 0, 51, 0, 0])
+  })
+
+  it('keeps orientation modulo π and the frequency of each', async () => {
+    const { gratings } = (await sharesOf(2, 1, [
+      [...ALONG, 255, 255],
+      [...ACROSS, 51, 255],
+    ]))!
+    // 8 bits put sin 2θ at 1/255 rather than 0: half of that, and a step of frequency.
+    expect(Math.abs(gratings[0]!.x)).toBeCloseTo(1, 4)
+    expect(Math.abs(gratings[0]!.y)).toBeLessThan(0.5 / 255 + 1e-6)
+    expect(gratings[0]!.z).toBeCloseTo(0.8, 6)
+    expect(Math.abs(gratings[1]!.y)).toBeCloseTo(1, 4)
+    expect(gratings[1]!.z).toBeCloseTo(0.8 * 0.2, 6)
+  })
+
+  it('opens another layer after four gratings', async () => {
+    const texels = Array.from({ length: 5 }, (_, i) => [...ALONG, 51 * (i + 1), 255])
+    const { texture } = (await sharesOf(5, 1, texels))!
+    expect(texture.image.depth).toBe(2)
+    const second = [...texture.image.data!.subarray(4 * 5)]
+    expect(second).toEqual([...Array<number>(4 * 4).fill(0), 255, 0, 0, 0])
+  })
+
+  it('are none for a foil without gratings, or with too many', async () => {
+    const texel = (frequency: number, strength: number) => [...ALONG, frequency, strength]
+    expect(await sharesOf(2, 1, [texel(0, 255), texel(255, 0)])).toBeNull()
+    const many = Array.from({ length: MOST_GRATINGS + 1 }, (_, i) => texel(i + 1, 255))
+    expect(await sharesOf(MOST_GRATINGS + 1, 1, many)).toBeNull()
+    expect(await sharesOf(MOST_GRATINGS, 1, many.slice(1))).not.toBeNull()
+  })
+})
