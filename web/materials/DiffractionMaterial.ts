@@ -50,17 +50,6 @@ import { sceneLights } from './scene-lights'
 
 const OWNER = 'DiffractionMaterial'
 
-/** The defines of the shader's own parts; those of a surface and its optics join them. */
-const FEATURES = [
-  'DIFFRACTION',
-  'BASE',
-  'COAT',
-  'TINTED',
-  'ENVIRONMENT_EQUIRECT',
-  'ENVIRONMENT_CUBE',
-  'GAMUT_MAPPED',
-]
-
 const rotationMatrix = new Matrix4()
 /** Cube textures that were not rendered keep the left-handed axes of their images. */
 const mirrorX = new Matrix3().set(-1, 0, 0, 0, 1, 0, 0, 0, 1)
@@ -134,7 +123,6 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.fog = true
     this.clipping = true
     this.vertexShader = vertexShader
-    this.defines = Object.fromEntries(FEATURES.map((name) => [name, false]))
     this.uniforms = {
       ...UniformsUtils.merge([UniformsLib.lights, UniformsLib.fog]),
       ...this.#ownUniforms(),
@@ -357,6 +345,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       surfaceName: this.#surface.name,
       gamut: this.#gamut,
       textures: { map: this.#map, normalMap: this.#normalMap, bumpMap: this.#bumpMap },
+      lights: (this.uniforms.uLightAngularRadii!.value as number[]).length,
     })
   }
 
@@ -609,11 +598,17 @@ export class DiffractionMaterial extends ShaderMaterial {
     for (const [name, value] of Object.entries(defines)) this.#setDefine(name, value)
   }
 
-  /** Recompiles only on change. A define that is out stays as `false`: keys keep their order, and programs theirs. */
+  /**
+   * Asks for another program only on change. three knows a program by the names and values of its defines in their order,
+   * so those that are out are not among them, and the others are sorted: whatever came in between, a class of scene that
+   * was drawn before finds its program.
+   */
   #setDefine(name: string, value: string | number | boolean): void {
     const define = value === true ? '' : value
     if ((this.defines[name] ?? false) === define) return
-    this.defines[name] = define
+    const defines = Object.entries({ ...this.defines, [name]: define })
+    const included = defines.filter(([, kept]) => kept !== false)
+    this.defines = Object.fromEntries(included.sort(([a], [b]) => (a < b ? -1 : 1)))
     this.needsUpdate = true
   }
 
