@@ -20,11 +20,12 @@ from precompute.height_fields.recipe import HeightFieldRecipe
 from precompute.height_fields.terms import terms_map
 from precompute.recipes import read_recipe
 from precompute.renderings import Rendering
-from precompute.report import bake_cost, browser
+from precompute.report import bake_cost, browser, left_out
 from precompute.report.bake_cost import SIZES, BakeError, bake_recipe, measured
 from precompute.report.bars import Bar, worst
 from precompute.report.comparison import Comparison, compare
 from precompute.report.furnace import measure_furnace
+from precompute.report.left_out import Drawn, forced, left_out_parts, left_out_row
 from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, all_bars, index_page
 from precompute.report.pictures import draw_bake_cost
@@ -622,3 +623,43 @@ def test_a_program_that_fails_is_an_error_with_its_own_words(
     assert next(drawn) == "first"
     with pytest.raises(browser.BrowserError, match="second"):
         next(drawn)
+
+
+def explained(**included: bool) -> list[dict[str, Any]]:
+    return [
+        {"feature": feature.replace("_", " "), "included": said, "why": f"because of {feature}"}
+        for feature, said in included.items()
+    ]
+
+
+def test_what_a_material_left_out_is_forced_in(tmp_path: Path) -> None:
+    scene = Scene.read(written(tmp_path))
+    said = explained(lacquer=False, matt_base=True, tinted_light=False, gamut_mapping=False)
+    said += [{"feature": "orders beyond ±5", "included": False, "why": "too weak"}]
+    parts = left_out_parts(scene, said)
+    assert [part.feature for part, _ in parts] == ["tinted light", "lacquer", "orders beyond"]
+    request = left_out.timing_request(scene, [part for part, _ in parts])
+    plain, *with_part = request["materials"][1:]
+    assert "force" not in plain
+    assert [material["force"] for material in with_part] == [part.force for part, _ in parts]
+    assert forced(scene, parts[0][0])["force"] == {"defines": {"TINTED": ""}}
+    dark = Scene.read(written(tmp_path, lights=[]))
+    assert [part.feature for part, _ in left_out_parts(dark, said)] == ["lacquer", "orders beyond"]
+
+
+def test_what_is_left_out_saves_the_difference(tmp_path: Path) -> None:
+    scene = Scene.read(written(tmp_path))
+    (part, entry) = left_out_parts(scene, explained(lacquer=False))[0]
+    plain = Drawn(StaticCost(alu=100, transcendental=5, texture=2), tables=1000)
+    coated = Drawn(StaticCost(alu=140, transcendental=8, texture=2), tables=1016)
+    # The second launch ran on a machine half as fast.
+    launches = [
+        {STANDARD: 2.0, "plain": 3.0, "lacquer": 3.5},
+        {STANDARD: 4.0, "plain": 6.0, "lacquer": 7.0},
+    ]
+    row = left_out_row(scene, part, entry, plain, coated, launches)
+    assert (row.feature, row.why) == ("lacquer", "because of lacquer")
+    assert row.saved_time == pytest.approx(0.25)
+    assert (row.saved_instructions, row.saved_bytes) == (43, 16)
+    page = index_page(Report(backend="", threads=1, rows=[], left_out=[row]), {}, [])
+    assert "| lacquer | because of lacquer | 0.25 | 43 | 16 |" in page
