@@ -19,6 +19,7 @@ from precompute.report.bake_cost import SIZES, bake_cost
 from precompute.report.comparison import compare
 from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
 from precompute.report.left_out import Drawn, forced, left_out_parts, left_out_row
+from precompute.report.measured_errors import measured_errors
 from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, index_page
 from precompute.report.pictures import draw_bake_cost, draw_comparison, draw_pareto
@@ -30,6 +31,9 @@ from precompute.report.timing import LAUNCHES, Times, timing_request
 
 MAPS = browser.ROOT / "maps" / "baked"
 SCENES = browser.ROOT / "tests" / "scenes"
+MEASURED_ERRORS = browser.ROOT / "web" / "materials" / "measured-errors.json"
+"""Which method errs by how much, for `DiffractionMaterial` to choose from."""
+
 THREADS = 1
 """Of the renderer when it is timed: tests/browser/time.mjs."""
 
@@ -37,7 +41,8 @@ THREADS = 1
 def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
     """Measure scenes and write report.json, index.md and the pictures.
 
-    The folder is written aside and takes its name when it is complete.
+    The folder is written aside and takes its name when it is complete. The report of all scenes
+    also renews the table from which a material chooses its method.
 
     Args:
         scenes: What to measure.
@@ -72,6 +77,8 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
         bake_cost=costs,
     )
     _write(report, results, output, lacking)
+    if is_whole(scenes):
+        MEASURED_ERRORS.write_text(measured_errors(report.rows, scenes).to_json(), "utf-8")
     return report
 
 

@@ -34,7 +34,8 @@ import type {
   OpticsSettings,
   Surface,
 } from '../surfaces/surface'
-import { angularRadius, oneOf, within } from '../validation'
+import { angularRadius, oneOf, positive, within } from '../validation'
+import { CHOSEN_SETTINGS, choiceForError } from './error-choice'
 import { checkEnvironment, environmentMap } from './environment-map'
 import { describeFeatures } from './features'
 import { assertLightLoops } from './light-order'
@@ -78,6 +79,10 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   readonly #settings: OpticsSettings = { ...DEFAULT_SETTINGS }
+  /** Names of the settings that were given; no choice touches them. */
+  readonly #given = new Set<string>()
+  #maxError: number | null = null
+  #errorFeatures: readonly Feature[] = []
   readonly #optics: OpticsLoader
   /** The settings of the optics in use; null before the first. */
   #applied: OpticsSettings | null = null
@@ -239,6 +244,19 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#set('environmentNodes', value)
   }
 
+  /**
+   * Largest relative root mean square error of radiance for which method and knobs are chosen, but for those that were
+   * given; null: nothing is chosen. `explain()` says what was, and whether it is enough.
+   */
+  get maxError(): number | null {
+    return this.#maxError
+  }
+
+  set maxError(value: number | null) {
+    this.#maxError = value === null ? null : positive(OWNER, 'maxError', value, '')
+    this.#request()
+  }
+
   /** Whether the surface diffracts; false compiles diffraction out and leaves base and lacquer. */
   get diffraction(): boolean {
     return this.#diffraction
@@ -336,7 +354,11 @@ export class DiffractionMaterial extends ShaderMaterial {
   explain(): Feature[] {
     return describeFeatures({
       defines: this.defines,
-      opticsFeatures: [...this.#opticsFeatures, ...this.#lightOptics.features],
+      opticsFeatures: [
+        ...this.#errorFeatures,
+        ...this.#opticsFeatures,
+        ...this.#lightOptics.features,
+      ],
       environmentRepaired: this.#environmentRepaired,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
@@ -376,6 +398,9 @@ export class DiffractionMaterial extends ShaderMaterial {
     Material.prototype.copy.call(this, source)
     this.surface = source.surface
     this.setValues(source.#options())
+    this.#given.clear()
+    for (const name of source.#given) this.#given.add(name)
+    this.maxError = source.maxError
     return this
   }
 
@@ -433,13 +458,17 @@ export class DiffractionMaterial extends ShaderMaterial {
   /** One of the optics' settings: taken if the surface can be shown with it, else as it was. */
   #set<K extends keyof OpticsSettings>(name: K, value: OpticsSettings[K]): void {
     const checked = this.#checked(name, value)
-    const before = this.#settings[name]
-    if (checked === before) return
+    const wasGiven = this.#given.has(name)
+    this.#given.add(name)
+    if (checked === this.#settings[name]) return
+    const before = { ...this.#settings }
     this.#settings[name] = checked
     try {
       this.#request()
     } catch (error) {
-      this.#settings[name] = before
+      Object.assign(this.#settings, before)
+      if (!wasGiven) this.#given.delete(name)
+      this.#choose()
       throw error
     }
   }
@@ -456,13 +485,31 @@ export class DiffractionMaterial extends ShaderMaterial {
   #takeDefaults(): void {
     const { methods, energies } = this.#surface
     const settings = this.#settings
-    if (!methods.includes(settings.method)) settings.method = methods[0]!
+    if (!methods.includes(settings.method)) {
+      settings.method = methods[0]!
+      this.#given.delete('method')
+    }
     if (!energies.includes(settings.energy)) settings.energy = energies[0]!
+  }
+
+  /** Chooses what was not given, if an error was; what it chose before goes with the error. */
+  #choose(): void {
+    const isChosen = this.#errorFeatures.length > 0
+    this.#errorFeatures = []
+    if (this.#maxError === null && !isChosen) return
+    const defaults = { ...DEFAULT_SETTINGS, method: this.#surface.methods[0]! }
+    const free = CHOSEN_SETTINGS.filter((name) => !this.#given.has(name))
+    Object.assign(this.#settings, Object.fromEntries(free.map((name) => [name, defaults[name]])))
+    if (this.#maxError === null) return
+    const choice = choiceForError(this.#surface, this.#settings, this.#given, this.#maxError)
+    Object.assign(this.#settings, choice.settings)
+    this.#errorFeatures = choice.features
   }
 
   #request(): void {
     if (!this.#isComplete) return
     this.#surfaceVersion = this.#surface.version
+    this.#choose()
     this.#optics.request(this.#surface, this.#settings, this.#mapsPath)
   }
 

@@ -15,6 +15,7 @@ export abstract class GratingSurface implements Surface {
   abstract readonly defines: Record<string, string | number>
   abstract readonly uniforms: Record<string, IUniform>
   abstract readonly isPartial: boolean
+  abstract measuredAs(settings: OpticsSettings): string
   /** Shortest and longest period on the surface, µm. */
   protected abstract readonly periodRange: readonly [number, number]
 
