@@ -77,7 +77,7 @@ export function choiceForError(
       if (given.has('efficiencies') && efficiencies !== settings.efficiencies) continue
       const wanted = { ...settings, method, efficiencies }
       const plan = planFor(wanted, ofClass, given, maxError)
-      if (plan !== null && (best === null || isBetter(plan, best, maxError))) best = plan
+      if (plan !== null && (best === null || isBetter(plan, best))) best = plan
     }
   return {
     settings: best === null ? {} : settingsOf(best, given),
@@ -90,8 +90,8 @@ interface Plan {
   efficiencies: OpticsSettings['efficiencies']
   /** For each part, where something was measured. */
   picks: Partial<Record<Part['part'], MeasuredSetting>>
-  /** The worst of the picks. */
-  error: number
+  /** The worst error of the picks that err by too much; 0 where none does. */
+  excess: number
   /** Sum of the picks' frames. */
   time: number
 }
@@ -114,9 +114,9 @@ function planFor(
   const made = Object.values(picks)
   if (made.length === 0) return null
   const { method, efficiencies } = wanted
-  const error = Math.max(...made.map(({ rel_rmse }) => rel_rmse))
+  const excess = Math.max(...made.map(({ rel_rmse }) => (rel_rmse <= maxError ? 0 : rel_rmse)))
   const time = made.reduce((sum, { time_ratio }) => sum + time_ratio, 0)
-  return { method, efficiencies, picks, error, time }
+  return { method, efficiencies, picks, excess, time }
 }
 
 /** Whether a measured setting is one of the wanted method, and leaves alone what was given. */
@@ -140,13 +140,11 @@ function leastTime(settings: readonly MeasuredSetting[], maxError: number): Meas
   return first ?? null
 }
 
-function isBetter(plan: Plan, than: Plan, maxError: number): boolean {
+function isBetter(plan: Plan, than: Plan): boolean {
   // A method that was measured for more of what can light the surface comes first.
   const [parts, partsOfOther] = [plan, than].map(({ picks }) => Object.keys(picks).length)
   if (parts !== partsOfOther) return parts! > partsOfOther!
-  const [isEnough, otherIsEnough] = [plan.error <= maxError, than.error <= maxError]
-  if (isEnough !== otherIsEnough) return isEnough
-  return isEnough ? plan.time < than.time : plan.error < than.error
+  return plan.excess === than.excess ? plan.time < than.time : plan.excess < than.excess
 }
 
 function settingsOf(
