@@ -42,10 +42,11 @@ class Part:
     of_lights: bool = False
 
 
+LIGHT = {"kind": "directional", "direction": [0.35, 0, 1], "intensity": 1e-30}
+"""Nothing in a sum of floats; what is wholly dark the shader would skip."""
+
 PARTS = (
-    Part(
-        "lights", {"lights": [{"kind": "directional", "direction": [0.35, 0, 1], "intensity": 0}]}
-    ),
+    Part("lights", {"lights": [LIGHT]}),
     Part("tinted light", {"defines": {"TINTED": ""}}, of_lights=True),
     Part("equirectangular environment", {"environment": {"asset": "studio", "intensity": 0}}),
     Part("lacquer", {"defines": {"COAT": ""}}),

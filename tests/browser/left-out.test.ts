@@ -2,7 +2,7 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest'
 import type { TransferredScene } from './harness/harness'
 import type { ForcedParts, LightDescription, SceneDescription } from './harness/scene-description'
 import { openHarness } from './open-harness.mjs'
-import { Rendering, type HarnessHandle } from './read-scene'
+import { render, Rendering, type HarnessHandle } from './read-scene'
 
 let harness: HarnessHandle
 
@@ -33,7 +33,12 @@ const SCENES: Record<string, SceneDescription> = {
   surroundings: { ...grating, lights: [], environment: { asset: 'studio' } },
 }
 
-const LIGHT: LightDescription = { kind: 'directional', direction: [0.3, 0.1, 1], intensity: 0 }
+/** Nothing in a sum of floats; what is wholly dark the shader would skip. */
+const LIGHT: LightDescription = {
+  kind: 'directional',
+  direction: [0.3, 0.1, 1],
+  intensity: 1e-30,
+}
 const ENVIRONMENT = { asset: 'studio', intensity: 0 }
 
 /** What can be forced in, by the name under which the material says that it left it out. */
@@ -72,6 +77,13 @@ describe.each(Object.entries(SCENES))('what a scene leaves out: %s', (_name, sce
       expect.soft(difference(forced, plain), feature).toBeLessThan(1e-5)
     }
   })
+})
+
+it('skips a light that is dark', async () => {
+  const scene = { ...grating, surface: { ...grating.surface, strength: 0.5 } } as SceneDescription
+  const dark = { ...scene, force: { lights: [{ ...LIGHT, intensity: 0 }] } }
+  const [with0, without] = [await render(harness, dark), await render(harness, scene)]
+  expect(with0.radiance).toEqual(without.radiance)
 })
 
 describe('orders that take less than 1/10000 of the light', () => {

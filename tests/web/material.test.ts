@@ -52,6 +52,8 @@ describe('loading', () => {
     await material.ready
     expect(material.uniforms).toHaveProperty('uLightNodes')
     expect(material.uniforms).not.toHaveProperty('uEnvironmentNodes')
+    expect(included(material, 'nodes along the environment')).toBe(false)
+    expect(included(material, 'lights')).toBe(false)
   })
 
   it('leaves diffraction out until the tables are there', async () => {

@@ -89,6 +89,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   #opticsDefines: string[] = []
   readonly #opticsUniforms = new Set<string>()
   #opticsFeatures: readonly Feature[] = []
+  #environmentFeatures: readonly Feature[] = []
   /** Makes what an environment needs of the optics; null once it is there. */
   #environmentUniforms: Optics['environmentUniforms'] | null = null
   #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
@@ -359,6 +360,7 @@ export class DiffractionMaterial extends ShaderMaterial {
         ...this.#opticsFeatures,
         ...this.#lightOptics.features,
       ],
+      environmentFeatures: this.#environmentFeatures,
       environmentRepaired: this.#environmentRepaired,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
@@ -533,8 +535,10 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.needsUpdate = true
   }
 
-  #apply({ defines, uniforms, features, environmentUniforms, underLights }: Optics): void {
-    this.#opticsFeatures = features
+  #apply(optics: Optics): void {
+    const { defines, uniforms, environmentUniforms, underLights } = optics
+    this.#opticsFeatures = optics.features
+    this.#environmentFeatures = optics.environmentFeatures
     this.#environmentUniforms = environmentUniforms
     this.#underLights = underLights
     this.#largestRadius = -1

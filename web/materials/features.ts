@@ -6,6 +6,8 @@ interface MaterialState {
   defines: Record<string, unknown>
   /** What the surface's optics say of themselves. */
   opticsFeatures: readonly Feature[]
+  /** What they say of what an environment asks for. */
+  environmentFeatures: readonly Feature[]
   /** Channels of the environment that held what light cannot be. */
   environmentRepaired: number
   diffraction: boolean
@@ -76,6 +78,11 @@ export function describeFeatures(state: MaterialState): Feature[] {
       choose(name, texture !== null, 'a texture is set', 'no texture is set'),
     ),
     ...state.opticsFeatures,
+    ...(isIn('ENVIRONMENT_EQUIRECT') || isIn('ENVIRONMENT_CUBE')
+      ? state.environmentFeatures
+      : state.environmentFeatures.map(({ feature }) =>
+          choose(feature, false, '', 'there is no environment'),
+        )),
   ]
 }
 

@@ -59,6 +59,8 @@ export interface LightOptics {
 export interface Optics {
   /** What of the optics is in the program, what is left out, and why. */
   features: readonly Feature[]
+  /** What of it only an environment asks for. */
+  environmentFeatures: readonly Feature[]
   defines: Record<string, string | number>
   uniforms: Record<string, IUniform>
   /** Makes the uniforms that an environment needs besides; asked for once there is one. */

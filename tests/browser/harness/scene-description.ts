@@ -18,7 +18,7 @@ export interface SceneDescription {
 export interface ForcedParts {
   /** Over those that the material chose. */
   defines?: Record<string, string>
-  /** More lights, of no intensity. */
+  /** More lights, of next to no intensity. */
   lights?: LightDescription[]
   /** In place of none, of no intensity. */
   environment?: EnvironmentDescription
