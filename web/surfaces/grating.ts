@@ -93,6 +93,8 @@ export class Grating extends GratingSurface {
     return this.strength < 1
   }
 
+  protected readonly mapRead = { included: false, why: 'they are the same everywhere' }
+
   protected get periodRange(): readonly [number, number] {
     return [this.#period, this.#period]
   }
