@@ -41,10 +41,10 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     PHASE_MAX: floatLiteral(phases!.last),
     LIGHT_NODES: lightNodes,
     ENVIRONMENT_NODES: settings.environmentNodes,
-    // The papers' methods read the environment unfiltered.
-    ARC_FILTER: floatLiteral(isLoop ? 0 : ARC_FILTER),
+    ARC_FILTER: floatLiteral(ARC_FILTER),
   }
   if (isLoop) defines['WAVELENGTH_LOOP'] = ''
+  if (settings.roughness > 0) defines['ROUGH'] = ''
   if (isTaylor) defines['EFFICIENCY_TAYLOR'] = ''
   if (settings.energy === 'kirchhoff') defines['ENERGY_KIRCHHOFF'] = ''
   if (settings.energy === 'reciprocal') defines['ENERGY_RECIPROCAL'] = ''
@@ -60,7 +60,11 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },
     },
     environmentUniforms: () => ({
-      uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
+      uEnvironmentNodes: {
+        value: isLoop
+          ? spectra.nodes(settings.environmentNodes, placement)
+          : spectra.arcNodes(settings.environmentNodes),
+      },
     }),
   }
 }
