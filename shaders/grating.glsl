@@ -201,12 +201,10 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 			efficiency *= energyFactor(vec3(x, -o.y, z), o, s, width, p.frequency);
 			#endif // ENERGY
 			float footprint2 = order * order * arc2 / max(z * z, 0.0025);
-			#ifdef ROUGH
 			float tilt = 2.0 * (o.z + z) * uRoughness;
 			float level = environmentLevel(footprint2 + tilt * tilt);
-			#else
-			float level = wholeEnvironmentLevel(footprint2);
-			#endif // ROUGH
+			// Of a smooth surface whole levels: each is one read where others are two.
+			level = uRoughness > 0.0 ? level : floor(level);
 			seen += efficiency * environmentTexels(across * x + along + up * z, level);
 		}
 		#if !defined(ENERGY_KIRCHHOFF) && !defined(ENERGY_RECIPROCAL)

@@ -44,7 +44,6 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     ARC_FILTER: floatLiteral(ARC_FILTER),
   }
   if (isLoop) defines['WAVELENGTH_LOOP'] = ''
-  if (settings.roughness > 0) defines['ROUGH'] = ''
   if (isTaylor) defines['EFFICIENCY_TAYLOR'] = ''
   if (settings.energy === 'kirchhoff') defines['ENERGY_KIRCHHOFF'] = ''
   if (settings.energy === 'reciprocal') defines['ENERGY_RECIPROCAL'] = ''
