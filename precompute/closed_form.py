@@ -72,27 +72,26 @@ class ClosedForm:
 
     def colour_brdf(self, wi: Array, wo: Array) -> Array:
         """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3)."""
-        u, v, _ = (wi + wo).T
-        blur = self.blur(wi, wo)
-        spread = self.spread(wi, wo)
+        u, v, w = (wi + wo).T
         above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
-        near = above & (v**2 <= 2 * EXPONENT_CUT * (self.window / WAVENUMBER_MIN**2 + blur[1]))
-        wide = spread > WIDTH_MAX * np.hypot(u, v)
+        widest = self.blur(wi, wo[:, 2] + 1)[1]
+        near = above & (v**2 <= 2 * EXPONENT_CUT * (self.window / WAVENUMBER_MIN**2 + widest))
+        wide = self.spread(w) > WIDTH_MAX * np.hypot(u, v)
         result = np.zeros((len(wi), 3))
         rows = np.flatnonzero(near & ~wide)
         for m in range(-self.max_order, self.max_order + 1):
             if m != 0:
-                result[rows] += self._narrow(m, wi[rows], wo[rows], blur[:, rows])
+                result[rows] += self._narrow(m, wi[rows], wo[rows])
         rows = np.flatnonzero(near & wide)
         for node in self.nodes:
-            seen = self.at_node(node, wi[rows], wo[rows], blur[:, rows])
+            seen = self.at_node(node, wi[rows], wo[rows])
             result[rows] += node.xyz * seen[:, None]
         return result
 
-    def blur(self, wi: Array, wo: Array) -> Array:
+    def blur(self, wi: Array, w: Array) -> Array:
         """Covariance (uu, vv, uv) of a lobe from tilted normals and the source, shape (3, n)."""
         α = self.light.angular_radius
-        tilt = ((wi[:, 2] + wo[:, 2]) * self.grating.roughness) ** 2
+        tilt = (w * self.grating.roughness) ** 2
         return np.stack(
             [
                 tilt + α**2 * (1 - wi[:, 0] ** 2),
@@ -101,17 +100,23 @@ class ClosedForm:
             ]
         )
 
-    def spread(self, wi: Array, wo: Array) -> Array:
+    def spread(self, w: Array) -> Array:
         """The largest standard deviation of a lobe in spatial frequency, 1/µm, shape (n,)."""
-        tilt = (wi[:, 2] + wo[:, 2]) * self.grating.roughness
-        widest = tilt**2 + self.light.angular_radius**2
+        widest = (w * self.grating.roughness) ** 2 + self.light.angular_radius**2
         return np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
 
-    def _narrow(self, m: int, wi: Array, wo: Array, blur: Array) -> Array:
-        u, v, w = (wi + wo).T
+    def order_depth(self, wi: Array, wo: Array, offset: Array | float) -> Array:
+        """w of an order at offset = mλ/a, shape (n,)."""
+        if self.grating.energy != "conserving":
+            return wi[:, 2] + wo[:, 2]
+        return wo[:, 2] + np.sqrt(np.maximum(_squared_cosine(wo, offset), 0))
+
+    def _narrow(self, m: int, wi: Array, wo: Array) -> Array:
+        u, v, _ = (wi + wo).T
         g = m / self.grating.period
         s = np.clip(g * u / (u**2 + v**2), WAVENUMBER_MIN, WAVENUMBER_MAX)
-        c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * blur
+        w = self.order_depth(wi, wo, g / s)
+        c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * self.blur(wi, w)
         determinant = c_uu * c_vv - c_uv**2
         adjugate = c_vv * u**2 - 2 * c_uv * u * v + c_uu * v**2
         q = np.sqrt(determinant / adjugate)
@@ -128,19 +133,21 @@ class ClosedForm:
         scale *= self._reflectance(mean) * self._energy_factor(wi, wo, mean, q)
         return scale[:, None] * xyz
 
-    def at_node(self, node: Node, wi: Array, wo: Array, blur: Array) -> Array:
+    def at_node(self, node: Node, wi: Array, wo: Array) -> Array:
         """f_r of all orders at a node's wavelength, 1/sr, shape (n,)."""
-        u, v, w = (wi + wo).T
+        u, v, _ = (wi + wo).T
         s = np.full(len(u), 1 / node.wavelength)
         width = s**2 * node.bandwidth * BAND_DEVIATION
-        c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * blur
-        determinant = c_uu * c_vv - c_uv**2
         total = np.zeros(len(u))
         for m in range(-self.max_order, self.max_order + 1):
-            du, dv = s * u - m / self.grating.period, s * v
+            offset = m / self.grating.period
+            w = self.order_depth(wi, wo, offset / s)
+            c_uu, c_vv, c_uv = self.window * np.array([[1], [1], [0]]) + s**2 * self.blur(wi, w)
+            determinant = c_uu * c_vv - c_uv**2
+            du, dv = s * u - offset, s * v
             exponent = (c_vv * du**2 - 2 * c_uv * du * dv + c_uu * dv**2) / (2 * determinant)
-            total += np.exp(-exponent) * self.efficiency(m, w, s)
-        density = s**2 * total / (2 * np.pi * np.sqrt(determinant))
+            total += np.exp(-exponent) * self.efficiency(m, w, s) / np.sqrt(determinant)
+        density = s**2 * total / (2 * np.pi)
         return density * self._reflectance(s) * self._energy_factor(wi, wo, s, width)
 
     def _lobe_colour(self, position: Array, width: Array) -> tuple[Array, Array]:
@@ -175,33 +182,43 @@ class ClosedForm:
         if self.grating.energy == "kirchhoff":
             w = wi[:, 2] + wo[:, 2]
             return (1 + np.sum(wi * wo, axis=1)) ** 2 / np.maximum(wi[:, 2] * wo[:, 2] * w**2, 1e-6)
-        factor = self._mean_reciprocal(wo, wavenumber, width)
+        factor = self._reciprocal_efficiency(wo, wavenumber, width)
         if self.grating.energy == "reciprocal":
-            factor = np.minimum(factor, self._mean_reciprocal(wi, wavenumber, width))
+            factor = np.minimum(factor, self._reciprocal_efficiency(wi, wavenumber, width))
         return factor
 
-    def _mean_reciprocal(self, direction: Array, wavenumber: Array, width: Array) -> Array:
-        """The mean of 1/N(ω, s) over a lobe: N steps where an order begins to propagate.
-
-        Order j propagates where s > |j|/a/(√(1 − ω_y²) + sgn(j) ω_x). Orders at whose steps the
-        lobe lies count together for the share of it beyond them, the mean by their efficiencies:
-        with the light overhead, steps come in pairs.
-        """
-        full = np.zeros(len(direction))
-        partial, share = np.zeros(len(direction)), np.zeros(len(direction))
-        reach = np.sqrt(np.maximum(1 - direction[:, 1] ** 2, 0))
+    def _reciprocal_efficiency(self, direction: Array, wavenumber: Array, width: Array) -> Array:
+        """The mean of 1/N(ω, s) at one standard deviation to either side of a lobe's mean."""
+        total = np.zeros((2, len(direction)))
+        window = self.window / wavenumber**2
         for m in range(-self.max_order, self.max_order + 1):
-            room = np.maximum(reach + np.sign(m) * direction[:, 0], 1e-6)
-            step = abs(m) / self.grating.period / room
-            beyond = np.clip(0.5 + 0.4 * (wavenumber - step) / width, 0, 1)
-            x = m / (self.grating.period * wavenumber) - direction[:, 0]
-            cosine = np.sqrt(np.maximum(1 - x**2 - direction[:, 1] ** 2, 0))
-            η = np.where(beyond > 0, self.efficiency(m, direction[:, 2] + cosine, wavenumber), 0)
-            full += np.where(beyond >= 1, η, 0)
-            partial += np.where(beyond < 1, η, 0)
-            share += np.where(beyond < 1, η * beyond, 0)
-        share /= np.maximum(partial, 1e-12)
-        return share / np.maximum(full + partial, 1e-4) + (1 - share) / np.maximum(full, 1e-4)
+            offset = m / (self.grating.period * wavenumber)
+            squared_cosine = _squared_cosine(direction, offset)
+            w = direction[:, 2] + np.sqrt(np.maximum(squared_cosine, 0))
+            deviation = np.sqrt(window + (w * self.grating.roughness) ** 2)
+            drift = 2 * (offset - direction[:, 0]) * offset * width / wavenumber
+            sides = np.stack([squared_cosine - drift, squared_cosine + drift])
+            total += self.efficiency(m, w, wavenumber) * above_horizon(sides, deviation)
+        return (1 / np.maximum(total, 1e-4)).mean(axis=0)
+
+
+def _squared_cosine(direction: Array, offset: Array | float) -> Array:
+    """1 − x² − y² of an order at x = offset − ω_x, y = −ω_y, below 0 under the horizon."""
+    return direction[:, 2] ** 2 + offset * (2 * direction[:, 0] - offset)
+
+
+def above_horizon(squared_cosine: Array, deviation: Array) -> Array:
+    """The part of a lobe above the horizon, at most 0.02 more than Φ((1 − r)/c) and never less.
+
+    Args:
+        squared_cosine: 1 − r² of the lobe's middle, below 0 where that is under the horizon.
+        deviation: c, likewise in directions.
+    """
+    # 1 − r = (1 − r²)/2 + (1 − r²)²/8 + …, and what makes it 1 at r = 0.
+    rest = 0.125 * np.maximum(squared_cosine, -1) + 0.375 * np.maximum(squared_cosine, 0) ** 3
+    z = squared_cosine * (0.5 + rest) / deviation
+    below, above = np.clip(1 + z / 4.2, 0, 1), np.clip(1 - z / 3, 0, 1)
+    return np.where(z < 0, below**4 / 2, 1 - above**3 / 2)
 
 
 @functools.lru_cache(maxsize=16)

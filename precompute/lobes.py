@@ -51,9 +51,8 @@ WIDE_LOBE_NODES = 20
 """Bands of the sum for wide lobes: enough for lobes of more than WIDTH_MAX, and for order 0, whose
 efficiency and N vary over the whole spectrum."""
 
-BAND_DEVIATION = 0.4
-"""Deviations of a Gaussian for one of a band in which N steps: over a Gaussian the shares of the
-two sides are taken to change linearly, within 1.25 deviations; over a band they do."""
+BAND_DEVIATION = 12**-0.5
+"""Standard deviation of a band, a box, over its width."""
 
 LAYERS = ("white", "red", "green")
 """Tints in the table; the blue basis is white less red less green."""

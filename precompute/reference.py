@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
 
 from precompute.gratings import Grating, Light
 from precompute.profiles import efficiency
@@ -115,7 +116,45 @@ def propagating_efficiency(grating: Grating, direction: Array, wavelength: Array
     return total
 
 
-def energy_factor(grating: Grating, wi: Array, wo: Array, wavelength: ArrayLike) -> Array:
+def efficiency_above_horizon(grating: Grating, direction: Array, wavelength: ArrayLike) -> Array:
+    """N(ω, λ) = Σ η_j H_j over all orders, H_j the part of order j's lobe above the horizon.
+
+    With r the length of (ω_j)_xy and c the lobe's standard deviation, H_j = Φ((1 − r)/c): the
+    horizon is taken as straight across the lobe, which is a little more than the disc holds. An
+    order that does not propagate has cosθ_j = 0.
+
+    Args:
+        grating: The grating.
+        direction: ω, shape (..., 3).
+        wavelength: λ, µm, broadcast against the leading shape.
+
+    Returns:
+        N, the leading shape.
+    """
+    λ = np.asarray(wavelength, dtype=np.float64)
+    shape = np.broadcast_shapes(direction.shape[:-1], λ.shape)
+    total = np.zeros(shape)
+    if total.size == 0:
+        return total
+    limit = _last_order(grating, λ)
+    for order in range(-limit, limit + 1):
+        squared_cosine = _squared_cosine(direction, order * λ / grating.period)
+        w = direction[..., 2] + np.sqrt(np.maximum(squared_cosine, 0))
+        deviation = np.sqrt(_window_variance(grating, λ) + (w * grating.roughness) ** 2)
+        r = np.sqrt(np.maximum(1 - squared_cosine, 0))
+        above = ndtr(squared_cosine / (1 + r) / deviation)  # 1 − r² keeps the digits of 1 − r
+        φ = 2 * np.pi * w * grating.height / λ
+        total += above * efficiency(grating.profile, order, φ)
+    return total
+
+
+def energy_factor(
+    grating: Grating,
+    wi: Array,
+    wo: Array,
+    wavelength: ArrayLike,
+    total: Callable[[Grating, Array, ArrayLike], Array] = propagating_efficiency,
+) -> Array:
     """What multiplies R·η_m to make it the efficiency e_m.
 
     - ``kirchhoff``: (1 + ω_i·ω_o)²/(cosθ_i cosθ_o w²), Stam's obliquity; unbounded at grazing.
@@ -127,6 +166,7 @@ def energy_factor(grating: Grating, wi: Array, wo: Array, wavelength: ArrayLike)
         wi: ω_i, shape (..., 3), above the horizon.
         wo: ω_o, likewise.
         wavelength: λ, µm, broadcast against the leading shape.
+        total: N, of plane waves or of lobes (`efficiency_above_horizon`).
 
     Returns:
         The broadcast leading shape.
@@ -136,9 +176,9 @@ def energy_factor(grating: Grating, wi: Array, wo: Array, wavelength: ArrayLike)
         cosine = np.sum(wi * wo, axis=-1)
         factor = (1 + cosine) ** 2 / (wi[..., 2] * wo[..., 2] * w**2)
         return np.broadcast_to(factor, np.broadcast_shapes(factor.shape, np.shape(wavelength)))
-    n = propagating_efficiency(grating, wo, wavelength)
+    n = total(grating, wo, wavelength)
     if grating.energy == "reciprocal":
-        n = np.maximum(n, propagating_efficiency(grating, wi, wavelength))
+        n = np.maximum(n, total(grating, wi, wavelength))
     return 1 / n
 
 
@@ -185,7 +225,9 @@ def spectral_brdf(
         C = λ²/(8π²σ²)·1 + (wδ)²·1 + α²(1 − ddᵀ),    d = (ω_i)_xy,
 
     from the window, from normals tilted by δ (a tilt ε moves (u, v) by wε) and from a source of
-    standard deviation α, whose directions project onto the surface.
+    standard deviation α, whose directions project onto the surface. With the energy ``conserving``
+    w is that of the order, cosθ_o + cosθ_m, so that ∫ f_r cosθ_i dω_i is R Σ η_m H_m/N; with the
+    others it is cosθ_o + cosθ_i, as in Kirchhoff's integral and as reciprocity asks.
 
     Args:
         grating: The grating.
@@ -202,7 +244,7 @@ def spectral_brdf(
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     for chosen in _near_a_lobe(grating, wi, wo, λ, angular_radius, above):
         lobes = _lobe_sum(grating, wi[chosen], wo[chosen], λ[chosen], angular_radius)
-        factor = energy_factor(grating, wi[chosen], wo[chosen], λ[chosen])
+        factor = energy_factor(grating, wi[chosen], wo[chosen], λ[chosen], efficiency_above_horizon)
         result[chosen] = reflectance(grating, λ[chosen]) * factor * lobes
     return result
 
@@ -295,10 +337,15 @@ def _near_a_lobe(
 ) -> list[NDArray[np.intp]]:
     """Rows whose |v| is within a lobe's reach, in pieces that keep memory small."""
     v = wi[:, 1] + wo[:, 1]
-    w = wi[:, 2] + wo[:, 2]
+    w = wo[:, 2] + 1  # at most
     variance = _window_variance(grating, λ) + (w * grating.roughness) ** 2 + angular_radius**2
     rows = np.flatnonzero(above & (v**2 < 2 * EXPONENT_CUT * variance))
     return [rows[i : i + 65536] for i in range(0, len(rows), 65536)]
+
+
+def _last_order(grating: Grating, λ: Array) -> int:
+    """One more than can propagate for any direction: of that one a lobe may reach above."""
+    return int(np.ceil(2 * grating.period / λ.min())) + 1
 
 
 def _window_variance(grating: Grating, λ: Array) -> Array:
@@ -309,28 +356,30 @@ def _lobe_sum(grating: Grating, wi: Array, wo: Array, λ: Array, angular_radius:
     """Σ_{m,m'} c_m c̄_m' exp(−π²σ²(m−m')²/a²) N((u, v) − ((m+m')/2·λ/a, 0); C)."""
     u, v, w = (wi + wo).T
     d = wi[:, :2]
-    blur = _window_variance(grating, λ) + (w * grating.roughness) ** 2
-    c_uu = blur + angular_radius**2 * (1 - d[:, 0] ** 2)
-    c_vv = blur + angular_radius**2 * (1 - d[:, 1] ** 2)
-    c_uv = -(angular_radius**2) * d[:, 0] * d[:, 1]
-    determinant = c_uu * c_vv - c_uv**2
-    φ = 2 * np.pi * w * grating.height / λ
+    source = angular_radius**2 * np.stack([1 - d[:, 0] ** 2, 1 - d[:, 1] ** 2, -d[:, 0] * d[:, 1]])
 
-    limit = int(np.ceil(2 * grating.period / λ.min())) + 1
+    limit = _last_order(grating, λ)
     overlap = (np.pi * grating.coherence / grating.period) ** 2
     apart = min(2 * limit, int(np.sqrt(EXPONENT_CUT / overlap)))
     total = np.zeros(λ.shape)
     for middle in range(-2 * limit, 2 * limit + 1):  # m + m', twice the lobe's middle
-        du = u - middle / 2 * λ / grating.period
+        offset = middle / 2 * λ / grating.period
+        if grating.energy == "conserving":
+            w = wo[:, 2] + np.sqrt(np.maximum(_squared_cosine(wo, offset), 0))
+        blur = _window_variance(grating, λ) + (w * grating.roughness) ** 2
+        c_uu, c_vv, c_uv = source + blur * np.array([[1], [1], [0]])
+        determinant = c_uu * c_vv - c_uv**2
+        du = u - offset
         exponent = (c_vv * du**2 - 2 * c_uv * du * v + c_uu * v**2) / (2 * determinant)
         near = np.flatnonzero(exponent < EXPONENT_CUT)
         if len(near) == 0:
             continue
         gaussian = np.exp(-exponent[near]) / (2 * np.pi * np.sqrt(determinant[near]))
+        φ = 2 * np.pi * w[near] * grating.height / λ[near]
         for difference in range(middle % 2, apart + 1, 2):
             m, n = (middle + difference) // 2, (middle - difference) // 2
-            c_m = grating.profile.amplitude(m, φ[near])
-            c_n = c_m if m == n else grating.profile.amplitude(n, φ[near])
+            c_m = grating.profile.amplitude(m, φ)
+            c_n = c_m if m == n else grating.profile.amplitude(n, φ)
             pairs = 1 if m == n else 2
             weight = pairs * np.exp(-overlap * difference**2)
             total[near] += weight * np.real(c_m * np.conj(c_n)) * gaussian

@@ -43,9 +43,8 @@ class WavelengthLoop(ClosedForm):
         result = np.zeros((len(wi), 3))
         rows = np.flatnonzero((wi[:, 2] > 0) & (wo[:, 2] > 0))
         wi, wo = wi[rows], wo[rows]
-        blur = self.blur(wi, wo)
         for node in self.nodes:
-            result[rows] += node.xyz * self.at_node(node, wi, wo, blur)[:, None]
+            result[rows] += node.xyz * self.at_node(node, wi, wo)[:, None]
         return result
 
     def efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:

@@ -1,6 +1,8 @@
 // The one place that knows how much light an order takes: a profile is data here, never a branch.
 
-uniform highp sampler2D uEfficiencyTable;  // eta_m(phi) and its step to the next phase: phase along x (squared), order along y
+// η_m(φ) and its step to the next phase: phase along x (squared), order along y, from −TABLE_ORDER on, or from 0 where
+// PROFILE_SYMMETRIC is defined: orders ±m of a symmetric profile take as much light as each other.
+uniform highp sampler2D uEfficiencyTable;
 uniform float uGratingHeight;              // h0, µm
 
 // η_m(φ), the scalar efficiency of order m, whose lobe lies at u = mλ/a. phase: φ = 2π w h0/λ, rad, ≥ 0, held within
@@ -16,7 +18,12 @@ float orderEfficiency(int order, float phase) {
 	#else
 	float x = sqrt(min(phase / PHASE_MAX, 1.0)) * float(EFFICIENCY_PHASES - 1);
 	int column = int(x);
-	vec2 texel = texelFetch(uEfficiencyTable, ivec2(column, order + TABLE_ORDER), 0).rg;
+	#ifdef PROFILE_SYMMETRIC
+	int row = abs(order);
+	#else
+	int row = order + TABLE_ORDER;
+	#endif // PROFILE_SYMMETRIC
+	vec2 texel = texelFetch(uEfficiencyTable, ivec2(column, row), 0).rg;
 	return texel.r + (x - float(column)) * texel.g;
 	#endif // EFFICIENCY_TAYLOR
 }

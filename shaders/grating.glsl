@@ -9,30 +9,30 @@ uniform highp sampler2D uLightNodes;
 uniform highp sampler2D uEnvironmentNodes;
 #endif // ENVIRONMENT
 
-// Over a lobe's width the shares of N's sides change linearly, within 1.25 deviations of its middle. A node's band is a
-// box, whose shares do so exactly: its width counts as 2.5 deviations.
-#define BAND_DEVIATION 0.4
+// Standard deviation of a node's band, a box, over its width.
+#define BAND_DEVIATION 0.2886751
 
 #ifdef WAVELENGTH_LOOP
 // The seed's method: Σ over wavelengths and all orders of S e_m N(s(u, v) − (m/a, 0); C) ds, XYZ in 1/sr.
-vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) {
+vec3 lobesByWavelength(vec3 wi, vec3 wo, float angularRadius, float frequency, vec3 tint) {
 	vec3 uvw = wi + wo;
 	vec3 xyz = vec3(0.0);
 	for (int i = 0; i < LIGHT_NODES; i++) {
 		LitNode node = litNode(uLightNodes, i, tint);
 		float s = 1.0 / node.wavelength;
-		vec3 c = lobeCovariance(blur, s);
-		float determinant = c.x * c.y - c.z * c.z;
-		float phase = reliefPhase(uvw.z, s);
 		float sum = 0.0;
 		for (int m = -MAX_ORDER; m <= MAX_ORDER; m++) {
-			vec2 f = s * uvw.xy - vec2(float(m) * frequency, 0.0);
-			float exponent = (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y) / (2.0 * determinant);
-			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * orderEfficiency(m, phase);
+			float g = float(m) * frequency;
+			float w = orderDepth(uvw, wo, g / s);
+			vec3 c = lobeCovariance(lobeBlur(wi, w, angularRadius), s);
+			float sharpness = inversesqrt(c.x * c.y - c.z * c.z);
+			vec2 f = sharpness * (s * uvw.xy - vec2(g, 0.0));
+			float exponent = 0.5 * (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y);
+			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * sharpness * orderEfficiency(m, reliefPhase(w, s));
 		}
 		if (sum > 0.0) {
 			// dλ of the band times s² N = N ds.
-			float density = s * s * sum / (2.0 * PI * sqrt(determinant));
+			float density = s * s * sum / (2.0 * PI);
 			float factor = energyFactor(wi, wo, s, BAND_DEVIATION * s * s * node.bandwidth, frequency);
 			xyz += node.color * (density * factor);
 		}
@@ -47,7 +47,9 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, vec3 blur, float frequency, vec3 tint) 
 // - wide lobes (order 0 always is, where it is seen): a sum over few spectral nodes; where WIDE_LOBES is defined, of all
 //   orders at each, else no other order can be wide.
 // Both share one loop body: a program that runs both sides of a branch, as software and divergent pixels do, pays once.
-vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 orders, bool wide, vec3 tint) {
+vec3 lobesInClosedForm(
+	vec3 wi, vec3 wo, float angularRadius, float frequency, ivec2 orders, bool wide, vec3 tint
+) {
 	vec3 uvw = wi + wo;
 	float u = uvw.x, v = uvw.y;
 	vec3 xyz = vec3(0.0);
@@ -58,10 +60,11 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 		LitNode node = litNode(uLightNodes, min(k, LIGHT_NODES - 1), tint);
 		// C depends on s through the blur; for a narrow lobe it is taken where the sharp one would have its middle.
 		float s = wide ? 1.0 / node.wavelength : clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
-		vec3 c = lobeCovariance(blur, s);
-		float determinant = c.x * c.y - c.z * c.z;
+		float w = orderDepth(uvw, wo, g / s);
+		vec3 c = lobeCovariance(lobeBlur(wi, w, angularRadius), s);
+		float sharpness = inversesqrt(c.x * c.y - c.z * c.z);  // 1/√(det C)
 		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀC⁻¹d · det C
-		float width = wide ? BAND_DEVIATION * s * s * node.bandwidth : sqrt(determinant / adjugate);
+		float width = wide ? BAND_DEVIATION * s * s * node.bandwidth : inversesqrt(adjugate) / sharpness;
 		vec4 color = vec4(node.color, s);
 		if (!wide) {
 			// To first order in its relative variance a blurred lobe, a Gaussian in wavelength, is one in wavenumber that is
@@ -70,24 +73,32 @@ vec3 lobesInClosedForm(vec3 wi, vec3 wo, vec3 blur, float frequency, ivec2 order
 			float skew = (1.0 - uWindowVariance / c.x) * width * width / max(middle * middle, 0.25);
 			color = lobeColor(middle * (1.0 + skew), width * (1.0 + 4.0 * skew), tint);
 		}
-		float phase = reliefPhase(uvw.z, color.w);
+		float across = 0.5 * g * g * v * v / adjugate;  // a narrow lobe's exponent
 		#ifdef WIDE_LOBES
 		float sum = 0.0;
 		ivec2 range = wide ? orders : ivec2(m);
 		for (int j = range.x; j <= range.y; j++) {
-			vec2 f = s * uvw.xy - vec2(float(j) * frequency, 0.0);
-			float exponent = wide
-				? 0.5 * (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y) / determinant
-				: 0.5 * g * g * v * v / adjugate;
-			if (exponent < EXPONENT_CUT) sum += exp(-exponent) * orderEfficiency(j, phase);
+			float exponent = across;
+			if (wide) {
+				float offset = float(j) * frequency;
+				w = orderDepth(uvw, wo, offset / s);
+				c = lobeCovariance(lobeBlur(wi, w, angularRadius), s);
+				sharpness = inversesqrt(c.x * c.y - c.z * c.z);
+				vec2 f = sharpness * (s * uvw.xy - vec2(offset, 0.0));
+				exponent = 0.5 * (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y);
+			}
+			if (exponent < EXPONENT_CUT)
+				sum += exp(-exponent) * sharpness * orderEfficiency(j, reliefPhase(w, color.w));
 		}
 		#else
-		float exponent = 0.5 * (wide ? s * s * adjugate / determinant : g * g * v * v / adjugate);
-		float sum = exponent < EXPONENT_CUT ? exp(-exponent) * orderEfficiency(m, phase) : 0.0;
+		float exponent = wide ? 0.5 * s * s * sharpness * sharpness * adjugate : across;
+		float sum = exponent < EXPONENT_CUT
+			? exp(-exponent) * sharpness * orderEfficiency(m, reliefPhase(w, color.w))
+			: 0.0;
 		#endif // WIDE_LOBES
 		// ds: a node's band is dλ = ds/s²; a Gaussian's is √(2π) q, which the table has divided out.
 		float ds = wide ? s * s : 2.5066283 * width;
-		float density = ds * sum / (2.0 * PI * sqrt(determinant));
+		float density = ds * sum / (2.0 * PI);
 		float factor = density > 0.0 ? energyFactor(wi, wo, color.w, width, frequency) : 0.0;
 		xyz += color.xyz * (density * factor);
 	}
@@ -102,13 +113,13 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	vec3 o = inFrame(p, wo);
 	if (i.z <= 0.0 || o.z <= 0.0 || p.frequency <= 0.0) return vec3(0.0);
 	vec3 uvw = i + o;
-	vec3 blur = lobeBlur(i, uvw.z, light.angularRadius);
 	#ifdef WAVELENGTH_LOOP
-	return i.z * lobesByWavelength(i, o, blur, p.frequency, light.color);
+	return i.z * lobesByWavelength(i, o, light.angularRadius, p.frequency, light.color);
 	#else
 	// A pixel far from the line v = 0 sees no order at any visible wavelength: the lobe is widest at the longest one.
 	float sLow = WAVENUMBER_MIN, sHigh = WAVENUMBER_MAX;
-	float varianceV = uWindowVariance / (sLow * sLow) + blur.y;
+	// No order's w is more than wo.z + 1.
+	float varianceV = uWindowVariance / (sLow * sLow) + lobeBlur(i, o.z + 1.0, light.angularRadius).y;
 	if (uvw.y * uvw.y > 2.0 * EXPONENT_CUT * varianceV) return vec3(0.0);
 	// Largest standard deviation of a lobe in spatial frequency.
 	float tilt = uvw.z * uRoughness;
@@ -124,7 +135,7 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	range = clamp(range, -float(MAX_ORDER), float(MAX_ORDER));
 	ivec2 orders = ivec2(ceil(range.x), floor(range.y));
 	if (orders.x > orders.y) return vec3(0.0);
-	return i.z * lobesInClosedForm(i, o, blur, p.frequency, orders, wide, light.color);
+	return i.z * lobesInClosedForm(i, o, light.angularRadius, p.frequency, orders, wide, light.color);
 	#endif // WAVELENGTH_LOOP
 }
 
@@ -138,7 +149,7 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, j);
 		float s = 1.0 / node.wavelength;
 		float shift = p.frequency * node.wavelength;
-		ivec2 orders = propagatingOrders(o, shift);
+		ivec2 orders = ordersWithin(o, shift, 1.0);
 		float width = BAND_DEVIATION * s * s * node.bandwidth;
 		vec3 seen = vec3(0.0);
 		float total = 0.0;
@@ -182,7 +193,7 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, j);
 		float s = 1.0 / node.wavelength;
 		float shift = p.frequency * node.wavelength;
-		ivec2 orders = propagatingOrders(o, shift);
+		ivec2 orders = ordersWithin(o, shift, 1.0);
 		float width = BAND_DEVIATION * s * s * node.bandwidth;
 		// The share of the first order's arc is a box of that length in the plane, 1/√12 of it its standard deviation.
 		float arc = ARC_FILTER * p.frequency * node.bandwidth / uEnvironmentTexel;

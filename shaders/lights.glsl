@@ -22,7 +22,8 @@ int lightIndex = 0;
 void addLight(IncidentLight light, vec3 wo, LitSurface surface) {
 	LightSpectrum spectrum = LightSpectrum(light.color, uLightAngularRadii[lightIndex]);
 	lightIndex++;
-	if (!light.visible) return;
+	// A dark light, or one in whose shadow this is, costs nothing.
+	if (!light.visible || light.color == vec3(0.0)) return;
 	vec3 wi = light.direction;
 	float through = 1.0;
 	#ifdef COAT

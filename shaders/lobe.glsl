@@ -2,7 +2,11 @@
 // light's size (docs/theory.md, section 2). Directions are in the surface's frame, spatial frequencies in 1/µm.
 
 uniform float uWindowVariance;  // 1/(8π²σ²), variance of the coherence window's lobe in spatial frequency, 1/µm²
+#ifdef ROUGH
 uniform float uRoughness;       // standard deviation of the normal's tilt, rad
+#else
+#define uRoughness 0.0
+#endif // ROUGH
 
 // Covariance of a lobe in the plane of (u, v) beyond that of the coherence window (xx, yy, xy).
 // Normals tilted by ε move (u, v) by wε; a light's disc projects onto the surface. wi: ω_i; w: cosθ_i + cosθ_o.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from precompute.report.comparison import Comparison
-from precompute.report.rows import LeftOut, Row, mark_pareto
+from precompute.report.rows import Row, mark_pareto
 from precompute.report.scenes import Scene
 from precompute.report.shader_cost import StaticCost
 from precompute.report.timing import Times
@@ -77,23 +77,3 @@ class SceneResult:
             static=result.static,
             texture_bytes=result.texture_bytes,
         )
-
-
-def white_light_saves(results: dict[str, SceneResult]) -> list[LeftOut]:
-    """What a white light saves over a tinted one: two scenes that differ in nothing else."""
-    if not {"plane-flash", "plane-flash-tinted"} <= results.keys():
-        return []
-    white, tinted = (results[name].rows()[0] for name in ("plane-flash", "plane-flash-tinted"))
-    if white.static is None or tinted.static is None:
-        return []
-    instructions = [sum(cost.model_dump().values()) for cost in (white.static, tinted.static)]
-    return [
-        LeftOut(
-            scene="plane-flash",
-            feature="basis spectra of a tinted light",
-            why="all lights are white: one table row in place of three",
-            saved_time=tinted.time_ratio - white.time_ratio,
-            saved_instructions=instructions[1] - instructions[0],
-            saved_bytes=tinted.texture_bytes - white.texture_bytes,
-        )
-    ]

@@ -213,8 +213,11 @@ def _left_out(report: Report) -> list[str]:
         ]
         for entry in report.left_out
     ]
-    header = ["scene", "left out", "why", "standard frames", "instructions", "bytes"]
-    return ["## Left out\n", _table(header, rows)]
+    header = ["scene", "left out", "why", "standard frames saved", "instructions", "bytes"]
+    text = """What a material leaves out by itself, forced into the scene's first method, where it
+adds nothing to the picture: what that would cost.
+"""
+    return ["## Left out\n", text, _table(header, rows)]
 
 
 def _scene(result: SceneResult) -> str:

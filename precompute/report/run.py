@@ -14,14 +14,16 @@ from rich.console import Console
 from rich.progress import Progress
 
 from precompute.renderings import Rendering, reference_xyz
-from precompute.report import browser
+from precompute.report import browser, left_out
 from precompute.report.bake_cost import SIZES, bake_cost
 from precompute.report.comparison import compare
 from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
-from precompute.report.measurements import MethodResult, SceneResult, white_light_saves
+from precompute.report.left_out import Drawn, forced, left_out_parts, left_out_row
+from precompute.report.measured_errors import measured_errors
+from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, index_page
 from precompute.report.pictures import draw_bake_cost, draw_comparison, draw_pareto
-from precompute.report.rows import BakeCost, Report, Stability
+from precompute.report.rows import BakeCost, LeftOut, Report, Stability
 from precompute.report.scenes import METHOD_OPTIONS, Scene, read_scenes
 from precompute.report.shader_cost import StaticCost, missing_packages, static_cost
 from precompute.report.stability import CASES, GRAZING, grazing_stability, series_stability
@@ -29,6 +31,9 @@ from precompute.report.timing import LAUNCHES, Times, timing_request
 
 MAPS = browser.ROOT / "maps" / "baked"
 SCENES = browser.ROOT / "tests" / "scenes"
+MEASURED_ERRORS = browser.ROOT / "web" / "materials" / "measured-errors.json"
+"""Which method errs by how much, for `DiffractionMaterial` to choose from."""
+
 THREADS = 1
 """Of the renderer when it is timed: tests/browser/time.mjs."""
 
@@ -36,7 +41,8 @@ THREADS = 1
 def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
     """Measure scenes and write report.json, index.md and the pictures.
 
-    The folder is written aside and takes its name when it is complete.
+    The folder is written aside and takes its name when it is complete. The report of all scenes
+    also renews the table from which a material chooses its method.
 
     Args:
         scenes: What to measure.
@@ -59,6 +65,7 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
         furnaces = {name: Rendering.read(work, _furnace(name)) for name in PROFILES}
         stability = _stability(furnaces, progress)
         times = _time(scenes, work, progress)
+        saved = [] if lacking else _left_out(scenes, work, progress)
         costs = _bake(progress) if is_whole(scenes) else []
     results = {s.name: SceneResult(s, methods[s.name], times[s.name]) for s in scenes}
     report = Report(
@@ -66,10 +73,12 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
         threads=THREADS,
         rows=[row for result in results.values() for row in result.rows()],
         stability=stability,
-        left_out=white_light_saves(results),
+        left_out=saved,
         bake_cost=costs,
     )
     _write(report, results, output, lacking)
+    if is_whole(scenes):
+        MEASURED_ERRORS.write_text(measured_errors(report.rows, scenes).to_json(), "utf-8")
     return report
 
 
@@ -145,6 +154,54 @@ def _time(scenes: list[Scene], work: Path, progress: Progress) -> dict[str, Time
                 times[name].launches.append(milliseconds)
                 advance()
     return times
+
+
+def _left_out(scenes: list[Scene], work: Path, progress: Progress) -> list[LeftOut]:
+    chosen = [scene for scene in scenes if scene.name in left_out.SCENES]
+    plain = {scene.name: work / f"{scene.picture_name(0)}.json" for scene in chosen}
+    parts = {
+        scene.name: left_out_parts(
+            scene, json.loads(plain[scene.name].read_text("utf-8"))["explanation"]
+        )
+        for scene in chosen
+    }
+    descriptions = {
+        _forced(scene, index): forced(scene, part)
+        for scene in chosen
+        for index, (part, _) in enumerate(parts[scene.name])
+    }
+    requests = {
+        scene.name: left_out.timing_request(scene, [part for part, _ in parts[scene.name]])
+        for scene in chosen
+    }
+    launches: dict[str, list[dict[str, float]]] = {scene.name: [] for scene in chosen}
+    with _stage(progress, "Left out", len(descriptions) + LAUNCHES * len(chosen)) as advance:
+        for _ in browser.render(descriptions, work) if descriptions else ():
+            advance()
+        for _ in range(LAUNCHES):
+            for name, milliseconds in browser.time(requests, work) if requests else ():
+                launches[name].append(milliseconds)
+                advance()
+    return [
+        left_out_row(
+            scene,
+            part,
+            entry,
+            _drawn(plain[scene.name]),
+            _drawn(work / f"{_forced(scene, index)}.json"),
+            launches[scene.name],
+        )
+        for scene in chosen
+        for index, (part, entry) in enumerate(parts[scene.name])
+    ]
+
+
+def _forced(scene: Scene, index: int) -> str:
+    return f"{scene.name}.forced.{index}"
+
+
+def _drawn(file: Path) -> Drawn:
+    return Drawn(_static(file.with_suffix(".frag")), sum(_tables(file).values()))
 
 
 def _stability(furnaces: dict[str, Rendering], progress: Progress) -> list[Stability]:

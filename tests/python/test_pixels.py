@@ -40,6 +40,14 @@ CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
     "blazed, 50°, by 1 nm": ("plane-sharp-blazed-steep", (192, 24), NANOMETRES, 0.01, 0.2),
     "triangular, sphere": ("sphere-sharp-triangular", (128, 128), CLOSED, 0.01, 1),
     "sampled, sphere": ("sphere-sharp-sampled", (64, 64), CLOSED, 0.01, 1),
+    # At the sphere's edge the horizon cuts the lobes of all orders.
+    "sampled, sphere, 3° rough": (
+        "sphere-sharp-sampled",
+        (24, 24),
+        CLOSED | {"roughness": 0.05},
+        0.005,
+        1,
+    ),
     "sinusoidal, Kirchhoff": ("plane-sharp-kirchhoff", (192, 24), CLOSED, 0.01, 1),
     "sinusoidal, gold, flash": ("plane-flash-gold", (96, 96), CLOSED, 0.01, 1),
     "sinusoidal, tinted flash": ("plane-flash-tinted", (96, 96), CLOSED, 0.01, 1),

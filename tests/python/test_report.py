@@ -20,16 +20,19 @@ from precompute.height_fields.recipe import HeightFieldRecipe
 from precompute.height_fields.terms import terms_map
 from precompute.recipes import read_recipe
 from precompute.renderings import Rendering
-from precompute.report import bake_cost, browser
+from precompute.report import bake_cost, browser, left_out
 from precompute.report.bake_cost import SIZES, BakeError, bake_recipe, measured
 from precompute.report.bars import Bar, worst
+from precompute.report.browser import ROOT
 from precompute.report.comparison import Comparison, compare
 from precompute.report.furnace import measure_furnace
+from precompute.report.left_out import Drawn, forced, left_out_parts, left_out_row
+from precompute.report.measured_errors import MeasuredErrors, measured_errors, surface_class
 from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, all_bars, index_page
 from precompute.report.pictures import draw_bake_cost
 from precompute.report.rows import BakeCost, Report, Row, Stability, mark_pareto
-from precompute.report.run import SCENES, is_whole, make_report
+from precompute.report.run import MEASURED_ERRORS, SCENES, is_whole, make_report
 from precompute.report.scenes import Method, Scene, read_scenes
 from precompute.report.shader_cost import (
     StaticCost,
@@ -655,3 +658,125 @@ def test_a_program_that_fails_is_an_error_with_its_own_words(
     assert next(drawn) == "first"
     with pytest.raises(browser.BrowserError, match="second"):
         next(drawn)
+
+
+def explained(**included: bool) -> list[dict[str, Any]]:
+    return [
+        {"feature": feature.replace("_", " "), "included": said, "why": f"because of {feature}"}
+        for feature, said in included.items()
+    ]
+
+
+def test_what_a_material_left_out_is_forced_in(tmp_path: Path) -> None:
+    scene = Scene.read(written(tmp_path))
+    said = explained(lacquer=False, matt_base=True, tinted_light=False, gamut_mapping=False)
+    said += [{"feature": "orders beyond ±5", "included": False, "why": "too weak"}]
+    parts = left_out_parts(scene, said)
+    assert [part.feature for part, _ in parts] == ["tinted light", "lacquer", "orders beyond"]
+    request = left_out.timing_request(scene, [part for part, _ in parts])
+    plain, *with_part = request["materials"][1:]
+    assert "force" not in plain
+    assert [material["force"] for material in with_part] == [part.force for part, _ in parts]
+    assert forced(scene, parts[0][0])["force"] == {"defines": {"TINTED": ""}}
+    dark = Scene.read(written(tmp_path, lights=[]))
+    assert [part.feature for part, _ in left_out_parts(dark, said)] == ["lacquer", "orders beyond"]
+
+
+def test_what_is_left_out_saves_the_difference(tmp_path: Path) -> None:
+    scene = Scene.read(written(tmp_path))
+    (part, entry) = left_out_parts(scene, explained(lacquer=False))[0]
+    plain = Drawn(StaticCost(alu=100, transcendental=5, texture=2), tables=1000)
+    coated = Drawn(StaticCost(alu=140, transcendental=8, texture=2), tables=1016)
+    # The second launch ran on a machine half as fast.
+    launches = [
+        {STANDARD: 2.0, "plain": 3.0, "lacquer": 3.5},
+        {STANDARD: 4.0, "plain": 6.0, "lacquer": 7.0},
+    ]
+    row = left_out_row(scene, part, entry, plain, coated, launches)
+    assert (row.feature, row.why) == ("lacquer", "because of lacquer")
+    assert row.saved_time == pytest.approx(0.25)
+    assert (row.saved_instructions, row.saved_bytes) == (43, 16)
+    page = index_page(Report(backend="", threads=1, rows=[], left_out=[row]), {}, [])
+    assert "| lacquer | because of lacquer | 0.25 | 43 | 16 |" in page
+
+
+def test_the_committed_table_of_errors_is_the_committed_reports() -> None:
+    report = Report.model_validate_json((ROOT / "docs/report/report.json").read_text("utf-8"))
+    table = MeasuredErrors.model_validate_json(MEASURED_ERRORS.read_text("utf-8"))
+    assert table == measured_errors(report.rows, read_scenes(SCENES))
+    assert table.to_json() == MEASURED_ERRORS.read_text("utf-8")
+
+
+def rows_of(scene: Scene, *measured: tuple[str, dict[str, Any], float, float]) -> list[Row]:
+    kinds = {"scene": scene.name, "surface": scene.surface, "lighting": scene.lighting}
+    return [
+        row(**kinds, method=name, knobs=knobs, rel_rmse=error, time_ratio=time)
+        for name, knobs, error, time in measured
+    ]
+
+
+def test_a_setting_counts_by_its_worst_scene_and_only_where_all_have_it(tmp_path: Path) -> None:
+    first = Scene.read(written(tmp_path))
+    second = first.model_copy(update={"name": "second"})
+    rows = [
+        *rows_of(
+            first,
+            ("closed-form", {}, 0.003, 2),
+            ("wavelength-loop", {"wavelength_step": 0.005}, 0.01, 50),
+            ("wavelength-loop", {"wavelength_step": 0.001}, 0.001, 250),
+            ("taylor", {"wavelength_step": 0.005}, 0.5, 20),
+        ),
+        *rows_of(
+            second,
+            ("closed-form", {}, 0.002, 3),
+            ("wavelength-loop", {"wavelength_step": 0.005}, 0.004, 40),
+        ),
+    ]
+    lights = measured_errors(rows, [first, second]).classes["grating"]["lights"]
+    assert lights.scenes == 2
+    loop = {"method": "wavelength-loop", "efficiencies": "table"}
+    assert [setting.model_dump() for setting in lights.settings] == [
+        {"options": {"method": "closed-form"}, "rel_rmse": 0.003, "time_ratio": 3},
+        {"options": loop | {"wavelengthStep": 0.005}, "rel_rmse": 0.01, "time_ratio": 50},
+        # The second has no finer loop: it would err by no more than the coarser.
+        {"options": loop | {"wavelengthStep": 0.001}, "rel_rmse": 0.004, "time_ratio": 250},
+    ]
+
+
+def test_an_environment_is_drawn_by_nodes_whatever_the_loop(tmp_path: Path) -> None:
+    around = {"environment": {"asset": "studio"}}
+    surface = {"kind": "height-field", "field": "bumps"}
+    fields = Scene.read(written(tmp_path, surface=surface, lights=[], **around))
+    mixed = Scene.read(written(tmp_path, **around)).model_copy(update={"name": "disc"})
+    loop = ("wavelength-loop", {"environment_nodes": 9, "wavelength_step": 1}, 0.1, 8)
+    lines = [("line-sum", {"environment_nodes": 48}, 0.02, 99), ("line-sum", {}, 0.04, 9)]
+    rows = [*rows_of(fields, *lines), *rows_of(mixed, loop)]
+    classes = measured_errors(rows, [fields, mixed]).classes
+    options = {
+        name: [setting.options for setting in parts["environment"].settings]
+        for name, parts in classes.items()
+    }
+    assert options == {
+        "sharp height field": [{}, {"environmentNodes": 48}],
+        "grating": [{"method": "wavelength-loop", "efficiencies": "table", "environmentNodes": 9}],
+    }
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, "grating"),
+        ({"surface": {"kind": "foil", "map": "x"}}, "foil"),
+        ({"surface": {"kind": "height-field", "field": "x"}}, "sharp height field"),
+        (
+            {"surface": {"kind": "height-field", "field": "x"}, "material": {"roughness": 0.01}},
+            "rough height field",
+        ),
+        (
+            {"surface": {"kind": "height-field", "field": "x", "tiles": 4}},
+            "repeated height field",
+        ),
+    ],
+)
+def test_scenes_fall_into_classes(tmp_path: Path, changes: dict[str, Any], expected: str) -> None:
+    assert surface_class(Scene.read(written(tmp_path, **changes))) == expected

@@ -48,6 +48,26 @@ describe('the texture of efficiencies', () => {
     }
     expect(stepTexture(rectangular, 'efficiency')).toBe(stepTexture(rectangular, 'efficiency'))
   })
+
+  it('can leave out its first rows', () => {
+    const [height, width] = arrayOf(rectangular, 'efficiency').spec.shape as [number, number]
+    const whole = stepTexture(rectangular, 'efficiency').image.data as Float32Array
+    const { image } = stepTexture(rectangular, 'efficiency', 16)
+    expect(image).toMatchObject({ width, height: height - 16 })
+    expect(image.data).toEqual(whole.subarray(2 * 16 * width))
+  })
+
+  it('is the same for orders ±m where its map says so', () => {
+    for (const map of [sinusoidal, rectangular]) {
+      const values = valuesOf(arrayOf(map, 'efficiency'))
+      const [rows, columns] = arrayOf(map, 'efficiency').spec.shape as [number, number]
+      expect(constantOf(map, 'symmetric')).toEqual([1])
+      for (let row = 0; row < rows; row++)
+        expect(values.subarray(row * columns, (row + 1) * columns)).toEqual(
+          values.subarray((rows - 1 - row) * columns, (rows - row) * columns),
+        )
+    }
+  })
 })
 
 describe('spectral nodes', () => {

@@ -130,6 +130,8 @@ describe('a foil', () => {
         DEFAULT_SETTINGS,
       )
       const said = features.find(({ feature }) => feature === 'mean over the texels of a pixel')!
+      const fetched = features.find(({ feature }) => feature.endsWith('from a map'))!
+      expect(fetched.included).toBe(!said.included)
       expect('uFoilShares' in uniforms).toBe(said.included)
       expect(defines['FOIL_GRATINGS']).toBe(said.included ? 12 : undefined)
       return said.included

@@ -70,6 +70,8 @@ export function heightFieldOptics(
         included: roughness > 0,
         why: `the surface tilts by ${roughness} rad`,
       },
+    ],
+    environmentFeatures: [
       {
         feature: `at most ${lookups(environmentNodes)} lookups of the environment`,
         included: true,

@@ -34,7 +34,8 @@ import type {
   OpticsSettings,
   Surface,
 } from '../surfaces/surface'
-import { angularRadius, oneOf, within } from '../validation'
+import { angularRadius, oneOf, positive, within } from '../validation'
+import { CHOSEN_SETTINGS, choiceForError } from './error-choice'
 import { checkEnvironment, environmentMap } from './environment-map'
 import { describeFeatures } from './features'
 import { assertLightLoops } from './light-order'
@@ -49,17 +50,6 @@ import {
 import { sceneLights } from './scene-lights'
 
 const OWNER = 'DiffractionMaterial'
-
-/** The defines of the shader's own parts; those of a surface and its optics join them. */
-const FEATURES = [
-  'DIFFRACTION',
-  'BASE',
-  'COAT',
-  'TINTED',
-  'ENVIRONMENT_EQUIRECT',
-  'ENVIRONMENT_CUBE',
-  'GAMUT_MAPPED',
-]
 
 const rotationMatrix = new Matrix4()
 /** Cube textures that were not rendered keep the left-handed axes of their images. */
@@ -89,12 +79,17 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   readonly #settings: OpticsSettings = { ...DEFAULT_SETTINGS }
+  /** Names of the settings that were given; no choice touches them. */
+  readonly #given = new Set<string>()
+  #maxError: number | null = null
+  #errorFeatures: readonly Feature[] = []
   readonly #optics: OpticsLoader
   /** The settings of the optics in use; null before the first. */
   #applied: OpticsSettings | null = null
   #opticsDefines: string[] = []
   readonly #opticsUniforms = new Set<string>()
   #opticsFeatures: readonly Feature[] = []
+  #environmentFeatures: readonly Feature[] = []
   /** Makes what an environment needs of the optics; null once it is there. */
   #environmentUniforms: Optics['environmentUniforms'] | null = null
   #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
@@ -134,7 +129,6 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.fog = true
     this.clipping = true
     this.vertexShader = vertexShader
-    this.defines = Object.fromEntries(FEATURES.map((name) => [name, false]))
     this.uniforms = {
       ...UniformsUtils.merge([UniformsLib.lights, UniformsLib.fog]),
       ...this.#ownUniforms(),
@@ -251,6 +245,19 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#set('environmentNodes', value)
   }
 
+  /**
+   * Largest relative root mean square error of radiance for which method and knobs are chosen, but for those that were
+   * given; null: nothing is chosen. `explain()` says what was, and whether it is enough.
+   */
+  get maxError(): number | null {
+    return this.#maxError
+  }
+
+  set maxError(value: number | null) {
+    this.#maxError = value === null ? null : positive(OWNER, 'maxError', value, '')
+    this.#request()
+  }
+
   /** Whether the surface diffracts; false compiles diffraction out and leaves base and lacquer. */
   get diffraction(): boolean {
     return this.#diffraction
@@ -348,7 +355,12 @@ export class DiffractionMaterial extends ShaderMaterial {
   explain(): Feature[] {
     return describeFeatures({
       defines: this.defines,
-      opticsFeatures: [...this.#opticsFeatures, ...this.#lightOptics.features],
+      opticsFeatures: [
+        ...this.#errorFeatures,
+        ...this.#opticsFeatures,
+        ...this.#lightOptics.features,
+      ],
+      environmentFeatures: this.#environmentFeatures,
       environmentRepaired: this.#environmentRepaired,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
@@ -357,6 +369,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       surfaceName: this.#surface.name,
       gamut: this.#gamut,
       textures: { map: this.#map, normalMap: this.#normalMap, bumpMap: this.#bumpMap },
+      lights: (this.uniforms.uLightAngularRadii!.value as number[]).length,
     })
   }
 
@@ -387,6 +400,9 @@ export class DiffractionMaterial extends ShaderMaterial {
     Material.prototype.copy.call(this, source)
     this.surface = source.surface
     this.setValues(source.#options())
+    this.#given.clear()
+    for (const name of source.#given) this.#given.add(name)
+    this.maxError = source.maxError
     return this
   }
 
@@ -444,13 +460,17 @@ export class DiffractionMaterial extends ShaderMaterial {
   /** One of the optics' settings: taken if the surface can be shown with it, else as it was. */
   #set<K extends keyof OpticsSettings>(name: K, value: OpticsSettings[K]): void {
     const checked = this.#checked(name, value)
-    const before = this.#settings[name]
-    if (checked === before) return
+    const wasGiven = this.#given.has(name)
+    this.#given.add(name)
+    if (checked === this.#settings[name]) return
+    const before = { ...this.#settings }
     this.#settings[name] = checked
     try {
       this.#request()
     } catch (error) {
-      this.#settings[name] = before
+      Object.assign(this.#settings, before)
+      if (!wasGiven) this.#given.delete(name)
+      this.#choose()
       throw error
     }
   }
@@ -467,13 +487,31 @@ export class DiffractionMaterial extends ShaderMaterial {
   #takeDefaults(): void {
     const { methods, energies } = this.#surface
     const settings = this.#settings
-    if (!methods.includes(settings.method)) settings.method = methods[0]!
+    if (!methods.includes(settings.method)) {
+      settings.method = methods[0]!
+      this.#given.delete('method')
+    }
     if (!energies.includes(settings.energy)) settings.energy = energies[0]!
+  }
+
+  /** Chooses what was not given, if an error was; what it chose before goes with the error. */
+  #choose(): void {
+    const isChosen = this.#errorFeatures.length > 0
+    this.#errorFeatures = []
+    if (this.#maxError === null && !isChosen) return
+    const defaults = { ...DEFAULT_SETTINGS, method: this.#surface.methods[0]! }
+    const free = CHOSEN_SETTINGS.filter((name) => !this.#given.has(name))
+    Object.assign(this.#settings, Object.fromEntries(free.map((name) => [name, defaults[name]])))
+    if (this.#maxError === null) return
+    const choice = choiceForError(this.#surface, this.#settings, this.#given, this.#maxError)
+    Object.assign(this.#settings, choice.settings)
+    this.#errorFeatures = choice.features
   }
 
   #request(): void {
     if (!this.#isComplete) return
     this.#surfaceVersion = this.#surface.version
+    this.#choose()
     this.#optics.request(this.#surface, this.#settings, this.#mapsPath)
   }
 
@@ -497,8 +535,10 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.needsUpdate = true
   }
 
-  #apply({ defines, uniforms, features, environmentUniforms, underLights }: Optics): void {
-    this.#opticsFeatures = features
+  #apply(optics: Optics): void {
+    const { defines, uniforms, environmentUniforms, underLights } = optics
+    this.#opticsFeatures = optics.features
+    this.#environmentFeatures = optics.environmentFeatures
     this.#environmentUniforms = environmentUniforms
     this.#underLights = underLights
     this.#largestRadius = -1
@@ -609,11 +649,17 @@ export class DiffractionMaterial extends ShaderMaterial {
     for (const [name, value] of Object.entries(defines)) this.#setDefine(name, value)
   }
 
-  /** Recompiles only on change. A define that is out stays as `false`: keys keep their order, and programs theirs. */
+  /**
+   * Asks for another program only on change. three knows a program by the names and values of its defines in their order,
+   * so those that are out are not among them, and the others are sorted: whatever came in between, a class of scene that
+   * was drawn before finds its program.
+   */
   #setDefine(name: string, value: string | number | boolean): void {
     const define = value === true ? '' : value
     if ((this.defines[name] ?? false) === define) return
-    this.defines[name] = define
+    const defines = Object.entries({ ...this.defines, [name]: define })
+    const included = defines.filter(([, kept]) => kept !== false)
+    this.defines = Object.fromEntries(included.sort(([a], [b]) => (a < b ? -1 : 1)))
     this.needsUpdate = true
   }
 

@@ -6,6 +6,8 @@ interface MaterialState {
   defines: Record<string, unknown>
   /** What the surface's optics say of themselves. */
   opticsFeatures: readonly Feature[]
+  /** What they say of what an environment asks for. */
+  environmentFeatures: readonly Feature[]
   /** Channels of the environment that held what light cannot be. */
   environmentRepaired: number
   diffraction: boolean
@@ -15,11 +17,13 @@ interface MaterialState {
   surfaceName: string
   gamut: 'map' | 'signed'
   textures: Record<string, Texture | null>
+  /** Visible lights that diffract. */
+  lights: number
 }
 
 /** The report behind `material.explain()`. Lights and environment are as in the last frame drawn. */
 export function describeFeatures(state: MaterialState): Feature[] {
-  const isIn = (name: string): boolean => (state.defines[name] ?? false) !== false
+  const isIn = (name: string): boolean => name in state.defines
   const choose = (feature: string, included: boolean, yes: string, no: string): Feature => ({
     feature,
     included,
@@ -39,6 +43,12 @@ export function describeFeatures(state: MaterialState): Feature[] {
       `the strength of ${state.surfaceName} is 1 everywhere`,
     ),
     choose('lacquer', isIn('COAT'), 'coat is above 0', 'coat is 0'),
+    choose(
+      'lights',
+      state.lights > 0,
+      `${state.lights} that diffract are visible`,
+      'none that diffracts is visible',
+    ),
     choose(
       'tinted light',
       isIn('TINTED'),
@@ -68,6 +78,11 @@ export function describeFeatures(state: MaterialState): Feature[] {
       choose(name, texture !== null, 'a texture is set', 'no texture is set'),
     ),
     ...state.opticsFeatures,
+    ...(isIn('ENVIRONMENT_EQUIRECT') || isIn('ENVIRONMENT_CUBE')
+      ? state.environmentFeatures
+      : state.environmentFeatures.map(({ feature }) =>
+          choose(feature, false, '', 'there is no environment'),
+        )),
   ]
 }
 

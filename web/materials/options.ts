@@ -17,6 +17,11 @@ export type Gamut = (typeof GAMUTS)[number]
 export interface DiffractionMaterialOptions extends MaterialParameters, Partial<OpticsSettings> {
   /** What diffracts: a Grating, a Foil. */
   surface: Surface
+  /**
+   * Largest relative root mean square error of radiance. Method and knobs that were not given are then chosen: the fastest
+   * that erred by no more in the report's scenes of such a surface. Null (default): as given.
+   */
+  maxError?: number | null
   /** Folder of the baked tables, with its slash; 'maps/baked/' by default. */
   mapsPath?: string
   /** Whether the surface diffracts at all; true by default. */

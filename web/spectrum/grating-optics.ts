@@ -31,6 +31,7 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     : constantOf(lobes, 'wide_lobe_nodes')[0]!
   const placement = isLoop ? 'uniform' : 'weighted'
   const spectra = new SpectralTextures(lobes, metals, settings.metal)
+  const isSymmetric = constantOf(profile, 'symmetric')[0] === 1
   const shown = isTaylor ? 2 : maxOrder(profile, settings.period[1], settings.height)
   const spectrum = spectrumOptics(lobes, settings)
   const defines: Record<string, string | number> = {
@@ -44,16 +45,20 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     ARC_FILTER: floatLiteral(ARC_FILTER),
   }
   if (isLoop) defines['WAVELENGTH_LOOP'] = ''
+  if (isSymmetric) defines['PROFILE_SYMMETRIC'] = ''
   if (isTaylor) defines['EFFICIENCY_TAYLOR'] = ''
   if (settings.energy === 'kirchhoff') defines['ENERGY_KIRCHHOFF'] = ''
   if (settings.energy === 'reciprocal') defines['ENERGY_RECIPROCAL'] = ''
   return {
     defines,
     underLights: (angularRadius) => wideLobes(!isLoop && canBeWide(lobes, settings, angularRadius)),
-    features: describeOptics(settings, shown),
+    features: describeOptics(settings, shown, isSymmetric),
+    environmentFeatures: [describeNodes(settings)],
     uniforms: {
       ...spectrum.uniforms,
-      uEfficiencyTable: { value: stepTexture(profile, 'efficiency') },
+      uEfficiencyTable: {
+        value: stepTexture(profile, 'efficiency', isSymmetric ? orders!.last : 0),
+      },
       uGratingHeight: { value: settings.height },
       uLobeTable: { value: spectra.lobe() },
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },
@@ -100,8 +105,12 @@ function canBeWide(
 }
 
 /** What `explain()` says of the optics. */
-function describeOptics(settings: GratingOpticsSettings, shown: number): Feature[] {
-  const { period, height, method, wavelengthStep, energy, roughness, environmentNodes } = settings
+function describeOptics(
+  settings: GratingOpticsSettings,
+  shown: number,
+  isSymmetric: boolean,
+): Feature[] {
+  const { period, height, method, wavelengthStep, energy, roughness } = settings
   const propagating = propagatingOrder(period[1])
   const isLoop = method === 'wavelength-loop'
   return [
@@ -139,9 +148,19 @@ function describeOptics(settings: GratingOpticsSettings, shown: number): Feature
       why: `the surface tilts by ${roughness} rad`,
     },
     {
-      feature: 'nodes along the environment',
-      included: true,
-      why: `${environmentNodes} wavelengths stand for the spectrum wherever there is an environment`,
+      feature: 'efficiencies of negative orders',
+      included: !isSymmetric,
+      why: isSymmetric
+        ? 'the profile is symmetric: order −m takes as much as order m'
+        : 'the profile is not symmetric',
     },
   ]
+}
+
+function describeNodes({ environmentNodes }: GratingOpticsSettings): Feature {
+  return {
+    feature: 'nodes along the environment',
+    included: true,
+    why: `${environmentNodes} wavelengths stand for the spectrum`,
+  }
 }

@@ -40,6 +40,7 @@ export function spectrumOptics(
       LOBE_WIDTH_MAX: floatLiteral(widths!.last),
       WAVENUMBER_MIN: constant('wavenumber_min'),
       WAVENUMBER_MAX: constant('wavenumber_max'),
+      ...(roughness > 0 && { ROUGH: '' }),
     },
     uniforms: {
       uWindowVariance: { value: windowVariance(coherence) },

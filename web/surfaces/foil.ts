@@ -30,6 +30,7 @@ export class Foil extends GratingSurface {
   /** Whether pixels that cover many texels show their mean. */
   readonly filtered: boolean
   protected readonly periodRange: readonly [number, number]
+  protected readonly mapRead
   readonly #shares: FoilShares | null
 
   /** Loads the map at an address without extension, as in `maps/baked/foil-dots`. */
@@ -58,6 +59,11 @@ export class Foil extends GratingSurface {
     this.repeat = this.uniforms.uFoilRepeat.value
     this.filtered = options.filtered ?? true
     this.#shares = this.filtered ? foilShares(map) : null
+    const count = this.#shares?.gratings.length ?? 0
+    this.mapRead =
+      this.#shares === null
+        ? { included: true, why: 'a texel of it is read at each pixel' }
+        : { included: false, why: `${count} gratings are uniforms; the map has but their shares` }
   }
 
   override optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
@@ -86,6 +92,10 @@ export class Foil extends GratingSurface {
         uFoilGratings: { value: gratings },
       },
     }
+  }
+
+  measuredAs(): string {
+    return 'foil'
   }
 
   /** Tiles along u and v. */

@@ -15,6 +15,9 @@ export abstract class GratingSurface implements Surface {
   abstract readonly defines: Record<string, string | number>
   abstract readonly uniforms: Record<string, IUniform>
   abstract readonly isPartial: boolean
+  abstract measuredAs(settings: OpticsSettings): string
+  /** Why the map of a foil is, or is not, read for its gratings' orientation and period. */
+  protected abstract readonly mapRead: { included: boolean; why: string }
   /** Shortest and longest period on the surface, µm. */
   protected abstract readonly periodRange: readonly [number, number]
 
@@ -85,7 +88,14 @@ export abstract class GratingSurface implements Surface {
       { profile, lobes, metals },
       { ...settings, height: this.#height, period: this.periodRange },
     )
-    return { ...optics, uniforms: { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(lobes) } } }
+    return {
+      ...optics,
+      uniforms: { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(lobes) } },
+      features: [
+        ...optics.features,
+        { feature: 'orientation and period from a map', ...this.mapRead },
+      ],
+    }
   }
 
   /** To be called after a change that reaches beyond the surface's own uniforms. */

@@ -85,9 +85,15 @@ export class Grating extends GratingSurface {
     if (this.isPartial !== wasPartial) this.changed()
   }
 
+  measuredAs(): string {
+    return 'grating'
+  }
+
   get isPartial(): boolean {
     return this.strength < 1
   }
+
+  protected readonly mapRead = { included: false, why: 'they are the same everywhere' }
 
   protected get periodRange(): readonly [number, number] {
     return [this.#period, this.#period]

@@ -107,6 +107,11 @@ export class HeightField implements Surface {
     return this.strength < 1
   }
 
+  measuredAs({ roughness }: OpticsSettings): string {
+    if (this.tiles !== null) return 'repeated height field'
+    return roughness > 0 ? 'rough height field' : 'sharp height field'
+  }
+
   /** Refractive index of a dielectric; null where the material's metal reflects. */
   get ior(): number | null {
     return this.#isDielectric ? this.uniforms.uReliefIor.value : null

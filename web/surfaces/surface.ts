@@ -59,6 +59,8 @@ export interface LightOptics {
 export interface Optics {
   /** What of the optics is in the program, what is left out, and why. */
   features: readonly Feature[]
+  /** What of it only an environment asks for. */
+  environmentFeatures: readonly Feature[]
   defines: Record<string, string | number>
   uniforms: Record<string, IUniform>
   /** Makes the uniforms that an environment needs besides; asked for once there is one. */
@@ -89,6 +91,8 @@ export interface Surface {
   readonly defines: Record<string, string | number | boolean>
   /** Uniforms that belong to the surface itself; shared by all materials that show it. */
   readonly uniforms: Record<string, IUniform>
+  /** The class of surfaces as which the report measures it under these settings: web/materials/measured-errors.json. */
+  measuredAs(settings: OpticsSettings): string
   /** Whether the strength is below one anywhere, so that the matt base shows through. */
   readonly isPartial: boolean
   /** Counts the changes that reach beyond `uniforms`: materials compare it before they render. */

@@ -23,6 +23,7 @@ import {
 } from 'three'
 import { DiffractionMaterial, Foil, Grating, HeightField, type Surface } from '../../../web'
 import { loadEnvironment } from './environment'
+import { force } from './force'
 import type {
   LightDescription,
   MeshDescription,
@@ -62,6 +63,7 @@ export async function buildScene(description: SceneDescription): Promise<BuiltSc
   const mesh = new Mesh(buildGeometry(description.mesh), await buildMaterial(description))
   placeMesh(mesh, description.mesh)
   scene.add(mesh)
+  if (description.force !== undefined) await force(scene, mesh.material, description.force)
 
   const camera = buildCamera(description)
   scene.updateMatrixWorld()

@@ -3,6 +3,7 @@ import {
   DataUtils,
   EquirectangularReflectionMapping,
   FloatType,
+  HalfFloatType,
   LinearFilter,
   RGBAFormat,
   type Texture,
@@ -50,12 +51,43 @@ async function assetUrl(name: string): Promise<string> {
   return load()
 }
 
+/** A grey sky with a sun of 1e5 (in halves without end), a black ground, and texels that no light can be. */
+export function harshEnvironment(type: 'float' | 'half'): DataTexture {
+  const { width, height } = MADE_SIZE
+  const data = new Float32Array(width * height * 4)
+  data.fill(0.5, data.length / 2)
+  data.set([1e5, 8e4, 6e4, 1], 4 * (24 * width + 40))
+  data.set([-149, 1, -1e30, 1], 4 * (20 * width + 10))
+  data.set([Infinity, 0.2, NaN, 1], 4 * (22 * width + 50))
+  data.set([-Infinity, -0, 1, 1], 4 * (28 * width + 5))
+  const texture = type === 'float' ? floatTexture(data) : halfTexture(data)
+  texture.mapping = EquirectangularReflectionMapping
+  return texture
+}
+
+function halfTexture(data: Float32Array): DataTexture {
+  const { width, height } = MADE_SIZE
+  const halves = Uint16Array.from(data, (value) =>
+    Math.abs(value) > 65504 ? (value > 0 ? 0x7c00 : 0xfc00) : DataUtils.toHalfFloat(value),
+  )
+  return filtered(new DataTexture(halves, width, height, RGBAFormat, HalfFloatType))
+}
+
+const MADE_SIZE = { width: 64, height: 32 } as const
+
 function constantTexture([r, g, b]: [number, number, number]): DataTexture {
-  const width = 64
-  const height = 32
+  const { width, height } = MADE_SIZE
   const data = new Float32Array(width * height * 4)
   for (let i = 0; i < width * height; i++) data.set([r, g, b, 1], 4 * i)
-  const texture = new DataTexture(data, width, height, RGBAFormat, FloatType)
+  return floatTexture(data)
+}
+
+function floatTexture(data: Float32Array): DataTexture {
+  const { width, height } = MADE_SIZE
+  return filtered(new DataTexture(data, width, height, RGBAFormat, FloatType))
+}
+
+function filtered(texture: DataTexture): DataTexture {
   texture.magFilter = texture.minFilter = LinearFilter
   texture.needsUpdate = true
   return texture

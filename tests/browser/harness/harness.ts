@@ -1,4 +1,5 @@
 import { WebGLRenderer } from 'three'
+import { countCompilations } from './recompilation'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
 import {
@@ -25,6 +26,8 @@ export interface Harness {
   drawVariants: () => Promise<Record<string, string>>
   /** Draws one program with many sets of parameters. */
   drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
+  /** Counts the programs that a scene with this surface links as it changes. */
+  countCompilations: typeof countCompilations
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -66,6 +69,7 @@ window.harness = {
   timeMaterials: (request) => timeMaterials(renderer, request),
   drawSets: (program, sets) => drawSets(renderer, program, sets),
   drawVariants,
+  countCompilations,
   probeFeatures,
 }
 

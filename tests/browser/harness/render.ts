@@ -11,6 +11,7 @@ import { fragmentShaderOf, tablesOf, type TableSize } from './program'
 import { buildScene, type BuiltScene } from './build-scene'
 import { environmentTexels } from './environment'
 import { GeometryMaterial } from './geometry-material'
+import type { Feature } from '../../../web'
 import type { SceneDescription } from './scene-description'
 
 /** Number of geometry layers, in the order of geometry.frag.glsl. */
@@ -28,6 +29,8 @@ export interface RenderedScene {
   view: Record<string, unknown>
   /** The fragment shader as WebGL compiled it. */
   fragmentShader: string
+  /** What the material says of itself. */
+  explanation: Feature[]
   /** The tables that it reads. */
   tables: TableSize[]
 }
@@ -45,6 +48,7 @@ export async function renderScene(
     const shader = {
       fragmentShader: fragmentShaderOf(renderer, material),
       tables: tablesOf(renderer, material),
+      explanation: material.explain(),
     }
     const geometryMaterial = new GeometryMaterial(material)
     Object.assign(built.mesh, { material: geometryMaterial })

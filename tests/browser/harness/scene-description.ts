@@ -11,6 +11,19 @@ export interface SceneDescription {
   material?: MaterialDescription
   lights?: LightDescription[]
   environment?: EnvironmentDescription
+  force?: ForcedParts
+}
+
+/** What is put into the material's program though the scene has no use for it. */
+export interface ForcedParts {
+  /** Over those that the material chose. */
+  defines?: Record<string, string>
+  /** More lights, of next to no intensity. */
+  lights?: LightDescription[]
+  /** In place of none, of no intensity. */
+  environment?: EnvironmentDescription
+  /** The normal map of a flat surface. */
+  normalMap?: true
 }
 
 export type MeshDescription = (

@@ -5,9 +5,11 @@ import {
   NearestFilter,
   PerspectiveCamera,
   PlaneGeometry,
+  PointLight,
   RGBAFormat,
   Scene,
   SphereGeometry,
+  SpotLight,
   Vector2,
   WebGLRenderTarget,
   type BufferGeometry,
@@ -16,6 +18,7 @@ import {
 import type { DiffractionMaterial } from '../../../web'
 import { windowVariance } from '../../../web/spectrum/spectrum-optics'
 import { buildMaterial } from './build-scene'
+import { harshEnvironment } from './environment'
 import type { MaterialDescription, SurfaceDescription } from './scene-description'
 
 /** A surface and a material whose program many sets of parameters share. */
@@ -24,6 +27,10 @@ export interface StabilityProgram {
   material?: MaterialDescription
   /** Linear sRGB of the light: white where left out. */
   color?: [number, number, number]
+  /** Directional where left out. */
+  light?: 'point' | 'spot'
+  /** Texels of an environment with a sun of 1e5 and with what light cannot be; none where left out. */
+  environment?: 'float' | 'half'
 }
 
 /** What a picture is drawn with beside its program: uniforms, transforms and texture coordinates alone. */
@@ -43,8 +50,8 @@ export interface StabilitySet {
   scale: [number, number, number]
   /** Scene units of mesh and camera distance. */
   unit: number
-  /** To the light, and its standard deviation, rad; a point where left out. */
-  light: { direction: [number, number, number]; angularRadius?: number }
+  /** To the light, its standard deviation, rad (a point where left out), and how far a point or spot light is, units (1). */
+  light: { direction: [number, number, number]; angularRadius?: number; distance?: number }
   /** To the camera, and its distance in units. */
   view: { direction: [number, number, number]; distance: number; fov_deg: number }
 }
@@ -59,6 +66,8 @@ export interface StabilityResult {
 
 /** Odd, so that a pixel's centre lies on the camera's axis: a plane seen edge-on covers no other. */
 const SIZE = 15
+
+const LIGHTS = { directional: DirectionalLight, point: PointLight, spot: SpotLight }
 
 /** Y of linear sRGB. */
 const LUMINANCE = [0.2126, 0.7152, 0.0722] as const
@@ -77,8 +86,10 @@ export async function drawSets(
     mesh: { kind: 'plane', size: [2, 2], side: 'double' },
   })
   const scene = new Scene()
-  const light = new DirectionalLight()
+  const light = new LIGHTS[program.light ?? 'directional']()
   light.color.setRGB(...(program.color ?? [1, 1, 1]))
+  const environment = program.environment ? harshEnvironment(program.environment) : null
+  scene.environment = environment
   const mesh = new Mesh<BufferGeometry, DiffractionMaterial>(new PlaneGeometry(2, 2), material)
   scene.add(light, mesh)
   const geometries = new Map<string, BufferGeometry>()
@@ -98,6 +109,11 @@ export async function drawSets(
     mesh.geometry = geometry
     mesh.scale.set(...set.scale).multiplyScalar(set.unit)
     light.position.set(...set.light.direction)
+    if (program.light !== undefined) {
+      const distance = (set.light.distance ?? 1) * set.unit
+      light.position.multiplyScalar(distance)
+      light.intensity = distance ** 2
+    }
     light.userData = { angularRadius: set.light.angularRadius }
     setUniforms(material, set)
     renderer.clear()
@@ -108,6 +124,7 @@ export async function drawSets(
   renderer.setRenderTarget(null)
   target.dispose()
   material.dispose()
+  environment?.dispose()
   for (const geometry of geometries.values()) geometry.dispose()
   return results
 }
@@ -115,7 +132,7 @@ export async function drawSets(
 function setUniforms({ uniforms }: DiffractionMaterial, set: StabilitySet): void {
   const { period, height, roughness, coherence, orientation } = set
   const direction = uniforms.uGratingDirection ?? uniforms.uReliefDirection
-  ;(direction!.value as Vector2).set(Math.cos(orientation), Math.sin(orientation))
+  ;(direction?.value as Vector2 | undefined)?.set(Math.cos(orientation), Math.sin(orientation))
   if (period !== undefined) uniforms.uGratingFrequency!.value = 1 / period
   if (height !== undefined) uniforms.uGratingHeight!.value = height
   if (roughness !== undefined) uniforms.uRoughness!.value = roughness

@@ -12,7 +12,13 @@ import {
 import { DiffractionMaterial } from '../../../web'
 import { buildCamera, buildGeometry, buildLight, buildSurface, placeMesh } from './build-scene'
 import { loadEnvironment } from './environment'
-import type { MaterialDescription, SceneDescription, SurfaceDescription } from './scene-description'
+import { force } from './force'
+import type {
+  ForcedParts,
+  MaterialDescription,
+  SceneDescription,
+  SurfaceDescription,
+} from './scene-description'
 
 export type TimedMaterial =
   | { name: string; kind: 'standard' | 'iridescent'; roughness?: number; metalness?: number }
@@ -22,6 +28,7 @@ export type TimedMaterial =
       material?: MaterialDescription
       /** In place of the scene's own. */
       surface?: SurfaceDescription
+      force?: ForcedParts
     }
 
 export interface TimingRequest {
@@ -64,10 +71,10 @@ export async function timeMaterials(
       scene.add(built)
       if ('target' in built) scene.add(built.target)
     }
-    const mesh = new Mesh(
-      buildGeometry(description.mesh),
-      await buildMaterial(request, description),
-    )
+    const material = await buildMaterial(request, description)
+    if (material instanceof DiffractionMaterial && 'force' in request && request.force)
+      await force(scene, material, request.force)
+    const mesh = new Mesh(buildGeometry(description.mesh), material)
     placeMesh(mesh, description.mesh)
     scene.add(mesh)
     timed.push({ name: request.name, scene, best: Infinity })
