@@ -6,6 +6,7 @@ uniform vec2 uFoilRepeat;      // tiles along u and v
 
 #ifdef DIFFRACTION
 #include "grating.glsl"
+#include "planar-environment.glsl"
 #endif // DIFFRACTION
 
 #if defined(DIFFRACTION) && defined(FOIL_GRATINGS)
@@ -21,10 +22,12 @@ uniform vec3 uFoilGratings[FOIL_GRATINGS];  // cos θ, sin θ, frequency in 1/µ
 // a grid of taps, so many along each side, each asking for this share of its cell, whose sum comes close to a box. Twice
 // as many taps halve the error where a pixel is 16 texels wide or more.
 #define FOIL_TAPS 4
+// Up to so many texels, half of them do: a tap is never narrower than the tent between two texels.
+#define FOIL_FEW_TEXELS 2.0
 #define FOIL_TAP_WIDTH 0.7
 
 struct FoilFootprint {
-	int taps;      // along each side of the pixel
+	int taps;      // along each side of the pixel; 0 where it lies within a texel
 	vec2 uv;       // of its middle, in tiles
 	vec2 alongX;   // change of uv over the pixel
 	vec2 alongY;
@@ -32,20 +35,30 @@ struct FoilFootprint {
 };
 FoilFootprint foilFootprint;
 
+// The shares of four gratings, at once all there is to them where the pixel lies within a texel.
+vec4 foilShares[(FOIL_GRATINGS + 3) / 4];
+
 // The mesh's frame, from which each grating's own follows, and the share of the pixel that diffracts.
 SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
 	foilFootprint = FoilFootprint(FOIL_TAPS, uv * uFoilRepeat, dFdx(uv) * uFoilRepeat, dFdy(uv) * uFoilRepeat, 0u);
 	vec2 texels = vec2(textureSize(uFoilShares, 0));
 	vec2 x = foilFootprint.alongX * texels, y = foilFootprint.alongY * texels;
-	if (max(dot(x, x), dot(y, y)) <= 1.0) {
-		// A texel is as wide as a pixel: there is nothing to average. Its middle has no share of its neighbours.
-		vec2 middle = (floor(foilFootprint.uv * texels) + 0.5) / texels;
-		foilFootprint = FoilFootprint(1, middle, vec2(0.0), vec2(0.0), 0u);
+	float width2 = max(dot(x, x), dot(y, y));
+	if (width2 <= FOIL_FEW_TEXELS * FOIL_FEW_TEXELS) foilFootprint.taps = FOIL_TAPS / 2;
+	// A texel is as wide as a pixel: there is nothing to average.
+	if (width2 <= 1.0) foilFootprint.taps = 0;
+	// Two loops, one of which does not run: software would make the lookups of both sides of a branch.
+	int layers = foilShares.length();
+	ivec2 texel = min(ivec2(fract(foilFootprint.uv) * texels), ivec2(texels) - 1);
+	for (int layer = 0; layer < (foilFootprint.taps == 0 ? layers : 0); layer++)
+		foilShares[layer] = texelFetch(uFoilShares, ivec3(texel, layer), 0);
+	for (int layer = 0; layer < (foilFootprint.taps == 0 ? 0 : layers); layer++) {
+		vec3 at = vec3(foilFootprint.uv, layer);
+		foilShares[layer] = textureGrad(uFoilShares, at, foilFootprint.alongX, foilFootprint.alongY);
 	}
 	float strength = 0.0;
-	for (int layer = 0; 4 * layer < FOIL_GRATINGS; layer++) {
-		vec3 at = vec3(foilFootprint.uv, layer);
-		vec4 shares = textureGrad(uFoilShares, at, foilFootprint.alongX, foilFootprint.alongY);
+	for (int layer = 0; layer < layers; layer++) {
+		vec4 shares = foilShares[layer];
 		strength += shares.x + shares.y + shares.z + shares.w;
 		uvec4 bits = uvec4(greaterThan(shares, vec4(SMALLEST_SHARE))) * uvec4(1u, 2u, 4u, 8u);
 		foilFootprint.present |= (bits.x + bits.y + bits.z + bits.w) << (4 * layer);
@@ -55,6 +68,7 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 
 // Share of a grating in the pixel, the mean over a grid of taps.
 float foilShare(int number) {
+	if (foilFootprint.taps == 0) return foilShares[number / 4][number % 4];
 	float taps = float(foilFootprint.taps);
 	vec2 cellX = foilFootprint.alongX / taps, cellY = foilFootprint.alongY / taps;
 	float share = 0.0;
@@ -109,8 +123,14 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	vec3 xyz = vec3(0.0);
 	for (uint left = foilFootprint.present; left != 0u; left &= left - 1u) {
-		SurfacePoint grating = foilGrating(p, lowestBit(left));
-		xyz += grating.strength * gratingRadianceFromEnvironment(grating, wo);
+		int number = lowestBit(left);
+		SurfacePoint grating = foilGrating(p, number);
+		#ifdef PLANAR_TEXELS
+		vec3 radiance = planarRadiance(grating, wo, number);
+		#else
+		vec3 radiance = gratingRadianceFromEnvironment(grating, wo);
+		#endif // PLANAR_TEXELS
+		xyz += grating.strength * radiance;
 	}
 	return xyz;
 }

@@ -1,4 +1,4 @@
-import type { IUniform } from 'three'
+import type { IUniform, Vector3 } from 'three'
 import { DiffractionError } from '../errors'
 import { opticsShaders } from '../glsl/optics-shaders'
 import { constantOf, expectKinds, type LoadedMap } from '../maps/load'
@@ -15,6 +15,7 @@ export abstract class GratingSurface implements Surface {
   abstract readonly defines: Record<string, string | number>
   abstract readonly uniforms: Record<string, IUniform>
   abstract readonly isPartial: boolean
+  abstract readonly planarGratings: readonly Vector3[] | null
   /** Shortest and longest period on the surface, µm. */
   protected abstract readonly periodRange: readonly [number, number]
 
