@@ -614,7 +614,7 @@ export class DiffractionMaterial extends ShaderMaterial {
         obstacle: this.#planarObstacle(),
         environment: hasEnvironment ? (uniforms.uEnvironmentMap!.value as Texture) : null,
         rotation: uniforms.uEnvironmentRotation!.value as Matrix3,
-        optics: { defines, uniforms, roughness: uniforms.uRoughness!.value as number },
+        optics: { defines, uniforms },
         opticsVersion: this.#opticsVersion,
       })
     uniforms.uPlanarEnvironment!.value = this.#planar.texture

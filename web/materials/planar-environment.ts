@@ -2,7 +2,6 @@ import {
   Matrix3,
   type BufferGeometry,
   type Camera,
-  type DataArrayTexture,
   type Object3D,
   type Side,
   type Texture,
@@ -13,13 +12,10 @@ import { meshPlane } from './mesh-plane'
 import { PlanarTable, type PlanarOptics } from './planar-table'
 
 /** Below this roughness (rad) a mirror image has more detail than a table can hold. */
-export const SMALLEST_ROUGHNESS = 0.0087
+export const SMALLEST_ROUGHNESS = 0.004
 
 /** Frames for which plane, environment and optics must have rested before a table is made again. */
 const RESTING_FRAMES = 2
-
-/** Gratings whose layers are filled in one frame; all of them the first time. */
-const LAYERS_PER_FRAME = 4
 
 /** What a material knows of a draw. */
 export interface PlanarDraw {
@@ -57,15 +53,13 @@ export class PlanarEnvironment {
   #table: PlanarTable | null = null
   /** What the table was made for. */
   #made: Key | null = null
-  /** Layers that are filled. */
-  #filled = 0
   /** What the last draw needed, and for how many frames nothing else was. */
   #seen: Key | null = null
   #frame = -1
   #rested = 0
   readonly #plane = new Matrix3()
 
-  get texture(): DataArrayTexture | null {
+  get texture(): Texture | null {
     return this.#table?.texture ?? null
   }
 
@@ -89,19 +83,10 @@ export class PlanarEnvironment {
         this.why = `plane, environment and optics have not rested for ${RESTING_FRAMES} frames`
         return false
       }
-      this.#begin(draw, key)
+      this.#make(draw, key)
     }
-    const { layers } = this.#table!
-    if (this.#filled < layers) {
-      const end = isFirst ? layers : Math.min(this.#filled + LAYERS_PER_FRAME, layers)
-      this.#table!.fill(draw.renderer, draw.gratings!, this.#filled, end, draw.camera)
-      this.#filled = end
-    }
-    const isComplete = this.#filled === layers
-    this.why = isComplete
-      ? `the mesh is flat and rests: ${layers} gratings in a table over the view`
-      : `${this.#filled} of ${layers} gratings are in the table`
-    return isComplete
+    this.why = `the mesh is flat and rests: ${this.#table!.layers} gratings in a table over the view`
+    return true
   }
 
   dispose(): void {
@@ -112,11 +97,12 @@ export class PlanarEnvironment {
 
   #obstacle(draw: PlanarDraw): string | null {
     const { renderer, object, geometry, side, camera, environment, optics } = draw
+    const roughness = optics.uniforms.uRoughness!.value as number
     if (environment === null) return 'there is no environment'
     if (draw.obstacle !== null) return draw.obstacle
     if (draw.gratings === null)
       return 'the surface is not made of gratings that are the same everywhere'
-    if (optics.roughness < SMALLEST_ROUGHNESS)
+    if (roughness < SMALLEST_ROUGHNESS)
       return `roughness is below ${SMALLEST_ROUGHNESS} rad: too sharp for a table`
     if (environment.isRenderTargetTexture) return 'the environment is drawn, and may change unseen'
     if (!meshPlane(object, geometry, side, camera, this.#plane))
@@ -133,15 +119,14 @@ export class PlanarEnvironment {
     this.#frame = frame
   }
 
-  #begin(draw: PlanarDraw, key: Key): void {
-    const layers = draw.gratings!.length
+  #make({ renderer, camera, optics, gratings }: PlanarDraw, key: Key): void {
+    const layers = gratings!.length
     if (this.#table?.layers !== layers) {
       this.#table?.dispose()
       this.#table = new PlanarTable(layers)
     }
-    this.#table.prepare(draw.optics, this.#plane.clone())
+    this.#table.fill(renderer, optics, this.#plane, gratings!, camera)
     this.#made = key
-    this.#filled = 0
   }
 }
 
