@@ -6,7 +6,7 @@ const REACH = 3
 /**
  * Taps that blur by a Gaussian of deviation 1 along an axis, where what each reads is blurred by as much as it stands for.
  *
- * @param count - odd, 3 or more
+ * @param count - odd, 5 or more
  * @returns the taps' places and weights, which add up to 1, and the full width of what a tap is to read
  */
 export function gaussianTaps(count: number): { taps: Vector2[]; width: number } {

@@ -12,7 +12,7 @@ import { meshPlane } from './mesh-plane'
 import { PlanarTable, type PlanarOptics } from './planar-table'
 
 /** Below this roughness (rad) a mirror image has more detail than a table can hold. */
-export const SMALLEST_ROUGHNESS = 0.004
+export const SMALLEST_ROUGHNESS = 0.0087
 
 /** Frames for which plane, environment and optics must have rested before a table is made again. */
 const RESTING_FRAMES = 2
@@ -53,7 +53,7 @@ export class PlanarEnvironment {
   #table: PlanarTable | null = null
   /** What the table was made for. */
   #made: Key | null = null
-  /** What the last draw needed, and for how many frames nothing else was. */
+  /** What the last draws needed, and for how many frames nothing else was needed. */
   #seen: Key | null = null
   #frame = -1
   #rested = 0
@@ -72,8 +72,8 @@ export class PlanarEnvironment {
     }
     const isFirst = this.#seen === null
     const key = keyOf(draw, this.#plane)
-    this.#rest(key, draw.renderer)
-    if (!isFirst && this.#rested === 0) {
+    const isChanged = this.#isChanged(key, draw.renderer)
+    if (!isFirst && isChanged) {
       this.why = 'the plane, the environment or the optics have just changed'
       return false
     }
@@ -111,12 +111,15 @@ export class PlanarEnvironment {
     return null
   }
 
-  #rest(key: Key, renderer: WebGLRenderer): void {
-    const { frame } = renderer.info.render
-    if (this.#seen === null || !isSame(this.#seen, key)) this.#rested = 0
-    else if (frame !== this.#frame) this.#rested++
-    this.#seen = key
-    this.#frame = frame
+  /** Compares with the draws before, two planes of one frame among them, and counts the frames that were the same. */
+  #isChanged(key: Key, { info }: WebGLRenderer): boolean {
+    const isChanged = this.#seen === null || !isSame(this.#seen, key)
+    // What it was at first stays: a slow turn is a change in the end.
+    if (isChanged) this.#seen = key
+    if (isChanged) this.#rested = 0
+    else if (info.render.frame !== this.#frame) this.#rested++
+    this.#frame = info.render.frame
+    return isChanged
   }
 
   #make({ renderer, camera, optics, gratings }: PlanarDraw, key: Key): void {

@@ -1,4 +1,5 @@
 import { WebGLRenderer } from 'three'
+import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
 import {
@@ -25,6 +26,8 @@ export interface Harness {
   drawVariants: () => Promise<Record<string, string>>
   /** Draws one program with many sets of parameters. */
   drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
+  /** Draws frames of one scene, one for each step. */
+  drawPlanarFrames: (scene: SceneDescription, steps: PlanarStep[]) => Promise<PlanarFrame[]>
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -65,6 +68,7 @@ window.harness = {
   },
   timeMaterials: (request) => timeMaterials(renderer, request),
   drawSets: (program, sets) => drawSets(renderer, program, sets),
+  drawPlanarFrames: (scene, steps) => drawPlanarFrames(renderer, scene, steps),
   drawVariants,
   probeFeatures,
 }
