@@ -22,8 +22,6 @@ uniform vec3 uFoilGratings[FOIL_GRATINGS];  // cos θ, sin θ, frequency in 1/µ
 // a grid of taps, so many along each side, each asking for this share of its cell, whose sum comes close to a box. Twice
 // as many taps halve the error where a pixel is 16 texels wide or more.
 #define FOIL_TAPS 4
-// Up to so many texels, half of them do: a tap is never narrower than the tent between two texels.
-#define FOIL_FEW_TEXELS 2.0
 #define FOIL_TAP_WIDTH 0.7
 
 struct FoilFootprint {
@@ -43,10 +41,8 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 	foilFootprint = FoilFootprint(FOIL_TAPS, uv * uFoilRepeat, dFdx(uv) * uFoilRepeat, dFdy(uv) * uFoilRepeat, 0u);
 	vec2 texels = vec2(textureSize(uFoilShares, 0));
 	vec2 x = foilFootprint.alongX * texels, y = foilFootprint.alongY * texels;
-	float width2 = max(dot(x, x), dot(y, y));
-	if (width2 <= FOIL_FEW_TEXELS * FOIL_FEW_TEXELS) foilFootprint.taps = FOIL_TAPS / 2;
 	// A texel is as wide as a pixel: there is nothing to average.
-	if (width2 <= 1.0) foilFootprint.taps = 0;
+	if (max(dot(x, x), dot(y, y)) <= 1.0) foilFootprint.taps = 0;
 	// Two loops, one of which does not run: software would make the lookups of both sides of a branch.
 	int layers = foilShares.length();
 	ivec2 texel = min(ivec2(fract(foilFootprint.uv) * texels), ivec2(texels) - 1);
