@@ -6,6 +6,7 @@ uniform vec2 uFoilRepeat;      // tiles along u and v
 
 #ifdef DIFFRACTION
 #include "grating.glsl"
+#include "planar-environment.glsl"
 #endif // DIFFRACTION
 
 #if defined(DIFFRACTION) && defined(FOIL_GRATINGS)
@@ -130,7 +131,12 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 			shares = foilShares(layer) / p.strength;
 		}
 		SurfacePoint grating = foilGrating(p, number, shares[number % 4]);
-		xyz += grating.strength * gratingRadianceFromEnvironment(grating, wo);
+		#ifdef PLANAR_TEXELS
+		vec3 radiance = planarRadiance(grating, wo, number);
+		#else
+		vec3 radiance = gratingRadianceFromEnvironment(grating, wo);
+		#endif // PLANAR_TEXELS
+		xyz += grating.strength * radiance;
 	}
 	return xyz;
 }

@@ -1,5 +1,6 @@
 import { WebGLRenderer } from 'three'
 import { countCompilations } from './recompilation'
+import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
 import {
@@ -28,6 +29,8 @@ export interface Harness {
   drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
   /** Counts the programs that a scene with this surface links as it changes. */
   countCompilations: typeof countCompilations
+  /** Draws frames of one scene, one for each step. */
+  drawPlanarFrames: (scene: SceneDescription, steps: PlanarStep[]) => Promise<PlanarFrame[]>
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -68,6 +71,7 @@ window.harness = {
   },
   timeMaterials: (request) => timeMaterials(renderer, request),
   drawSets: (program, sets) => drawSets(renderer, program, sets),
+  drawPlanarFrames: (scene, steps) => drawPlanarFrames(renderer, scene, steps),
   drawVariants,
   countCompilations,
   probeFeatures,
