@@ -179,8 +179,16 @@ describe('nodes along an arc', () => {
       Math.abs(wavelength - nodes[j]!.wavelength) ** 1.5
     for (const j of [1, 5, 11]) {
       const radiance = (wavelength: number): number => grows(j)(wavelength) - grows(0)(wavelength)
-      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(1e-9)
+      // What is left is of the weights that would be below zero; of any one node left out it is a hundred times as much.
+      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(5e-5)
+      const fewer = nodes.filter((_, i) => i !== 6)
+      expect(distance(sumOver(fewer, radiance), integral(radiance))).toBeGreaterThan(5e-4)
     }
+  })
+
+  it.each(counts)('%s of them make no light dark', (count) => {
+    for (const { tints } of arcNodes(lobes, count, metal))
+      expect(Math.min(...tints)).toBeGreaterThanOrEqual(0)
   })
 
   it('follow stripes of light more closely than as many uniform ones', () => {

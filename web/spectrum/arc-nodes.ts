@@ -102,7 +102,17 @@ function estimatorWeights(cells: readonly Cell[], wavelengths: readonly number[]
   // The last row: a radiance that is the same everywhere is summed exactly.
   system.push([...wavelengths.map(() => 1), 0])
   right.push(total)
-  return solveLinear(system, right).slice(0, -1)
+  return withoutNegative(solveLinear(system, right).slice(0, -1), total)
+}
+
+/**
+ * The dim ends of the spectrum have weights slightly below zero, at most 2 % of a sum. A lamp seen at one of these wavelengths
+ * alone would shine darkness: they are zero, and the others as much less.
+ */
+function withoutNegative(weights: number[][], total: readonly number[]): number[][] {
+  const kept = weights.map((tints) => tints.map((tint) => Math.max(tint, 0)))
+  const factors = total.map((amount, c) => amount / sum(kept.map((tints) => tints[c]!)))
+  return kept.map((tints) => tints.map((tint, c) => tint * factors[c]!))
 }
 
 /** The sum over cells up to a wavelength, each cell's amount spread evenly over it. */
