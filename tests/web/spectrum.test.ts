@@ -179,10 +179,10 @@ describe('nodes along an arc', () => {
       Math.abs(wavelength - nodes[j]!.wavelength) ** 1.5
     for (const j of [1, 5, 11]) {
       const radiance = (wavelength: number): number => grows(j)(wavelength) - grows(0)(wavelength)
-      // What is left is of the weights that would be below zero; of any one node left out it is a hundred times as much.
-      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(5e-5)
+      // What is left is of the weights that would be below zero; of any one node left out it is ten times as much.
+      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(2e-4)
       const fewer = nodes.filter((_, i) => i !== 6)
-      expect(distance(sumOver(fewer, radiance), integral(radiance))).toBeGreaterThan(5e-4)
+      expect(distance(sumOver(fewer, radiance), integral(radiance))).toBeGreaterThan(2e-3)
     }
   })
 
