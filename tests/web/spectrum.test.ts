@@ -174,15 +174,18 @@ describe('nodes along an arc', () => {
 
   it('err least: what grows as the variogram from two of the nodes cancels', () => {
     // The equations of ordinary kriging: Σ W_i γ(λ_i, λ_j) + μ = ∫ W γ(λ, λ_j) dλ, with one μ for all nodes j.
+    // Where a weight would be below zero it is left out, and they do not hold.
     const nodes = arcNodes(lobes, 12, metal)
+    const columns = [0, 1, 2, 3, 4, 5, 6, 7, 8].filter((c) =>
+      nodes.every(({ tints }) => tints[c]! > 0),
+    )
+    expect(columns.length).toBeGreaterThan(1)
     const grows = (j: number) => (wavelength: number) =>
       Math.abs(wavelength - nodes[j]!.wavelength) ** 1.5
     for (const j of [1, 5, 11]) {
       const radiance = (wavelength: number): number => grows(j)(wavelength) - grows(0)(wavelength)
-      // What is left is of the weights that would be below zero; of any one node left out it is ten times as much.
-      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(2e-4)
-      const fewer = nodes.filter((_, i) => i !== 6)
-      expect(distance(sumOver(fewer, radiance), integral(radiance))).toBeGreaterThan(2e-3)
+      const [found, exact] = [sumOver(nodes, radiance), integral(radiance)]
+      for (const c of columns) expect(found[c]).toBeCloseTo(exact[c]!, 9)
     }
   })
 
