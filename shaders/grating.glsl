@@ -140,13 +140,10 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 }
 
 #ifdef ENVIRONMENT
-// Radiance (XYZ) towards wo from the environment: for each spectral node the mean of what the propagating orders see,
-// weighted by their efficiencies. wo: unit, view space.
-vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
-	vec3 o = inFrame(p, wo);
-	if (o.z <= 0.0) return vec3(0.0);
-	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations.
-	vec3 mirror = environmentRadiance(reflect(-wo, p.normal), 4.0 * o.z * uRoughness);
+#ifdef WAVELENGTH_LOOP
+// The papers' method: at each wavelength the mean of what the propagating orders see, weighted by their efficiencies.
+// XYZ. o: ω_o in the grating's frame; mirror: radiance that order 0 sees, linear sRGB.
+vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, j);
@@ -166,10 +163,7 @@ vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 			#endif // ENERGY
 			vec3 radiance = mirror;
 			if (m != 0) {
-				// The band's share of the arc is a box of that length, 1/√12 of it its standard deviation.
-				float arc = ARC_FILTER * abs(float(m)) * p.frequency * node.bandwidth / max(z, 0.05);
-				float tilt = (o.z + z) * uRoughness;
-				float footprint = 2.0 * sqrt(arc * arc / 12.0 + tilt * tilt);
+				float footprint = 2.0 * (o.z + z) * uRoughness;
 				radiance = environmentRadiance(p.tangent * i.x + p.bitangent * i.y + p.normal * i.z, footprint);
 			}
 			seen += efficiency * radiance;
@@ -181,5 +175,65 @@ vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 		xyz += node.tints * seen;
 	}
 	return xyz;
+}
+#else
+// Likewise, but at nodes whose tints estimate the whole spectrum (web/spectrum/arc-nodes.ts), each reading filtered over its
+// share of the arc. An order's directions differ in two components alone, and are put together in the environment's own
+// axes.
+vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
+	vec3 across = inEnvironment(p.tangent);
+	vec3 along = -o.y * inEnvironment(p.bitangent);
+	vec3 up = inEnvironment(p.normal);
+	vec3 xyz = vec3(0.0);
+	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
+		SpectralNode node = spectralNode(uEnvironmentNodes, j);
+		float s = 1.0 / node.wavelength;
+		float shift = p.frequency * node.wavelength;
+		ivec2 orders = ordersWithin(o, shift, 1.0);
+		float width = BAND_DEVIATION * s * s * node.bandwidth;
+		// The share of the first order's arc is a box of that length in the plane, 1/√12 of it its standard deviation; a mip
+		// level read bilinearly blurs as a Gaussian of half its texel.
+		float arc = ARC_FILTER * p.frequency * node.bandwidth;
+		float arc2 = 4.0 * arc * arc / 12.0;
+		float efficiency = orderEfficiency(0, reliefPhase(2.0 * o.z, s));
+		float total = efficiency;
+		#if defined(ENERGY_KIRCHHOFF) || defined(ENERGY_RECIPROCAL)
+		efficiency *= energyFactor(vec3(-o.xy, o.z), o, s, width, p.frequency);
+		#endif // ENERGY
+		vec3 seen = efficiency * mirror;
+		for (int k = orders.x; k < orders.y; k++) {
+			int m = k < 0 ? k : k + 1;
+			float order = float(m);
+			float x = order * shift - o.x;
+			float z = orderCosine(o, order * shift);
+			efficiency = orderEfficiency(m, reliefPhase(o.z + z, s));
+			total += efficiency;
+			#if defined(ENERGY_KIRCHHOFF) || defined(ENERGY_RECIPROCAL)
+			efficiency *= energyFactor(vec3(x, -o.y, z), o, s, width, p.frequency);
+			#endif // ENERGY
+			float footprint2 = order * order * arc2 / max(z * z, 0.0025);
+			float tilt = 2.0 * (o.z + z) * uRoughness;
+			float level = environmentLevel(footprint2 + tilt * tilt);
+			// Of a smooth surface whole levels: each is one read where others are two.
+			level = uRoughness > 0.0 ? level : floor(level);
+			seen += efficiency * environmentTexels(across * x + along + up * z, level);
+		}
+		#if !defined(ENERGY_KIRCHHOFF) && !defined(ENERGY_RECIPROCAL)
+		// The mean needs no floor as the light's lobes do: what is divided has the same factor.
+		seen /= max(total, 1e-12);
+		#endif // ENERGY
+		xyz += node.tints * seen;
+	}
+	return xyz;
+}
+#endif // WAVELENGTH_LOOP
+
+// Radiance (XYZ) towards wo from the environment. wo: unit, view space.
+vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
+	vec3 o = inFrame(p, wo);
+	if (o.z <= 0.0) return vec3(0.0);
+	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations.
+	vec3 mirror = environmentRadiance(reflect(-wo, p.normal), 4.0 * o.z * uRoughness);
+	return arcsOfEnvironment(p, o, mirror);
 }
 #endif // ENVIRONMENT

@@ -10,13 +10,12 @@ struct SpectralNode {
 	mat3 tints;         // XYZ of the band in light of the red, green and blue basis
 };
 
-// Node `index` of a texture of one column a node; its rows: XYZ of white and λ, then of red and bandwidth, green, blue.
+// Node `index` of a texture of one column a node; its rows: XYZ of white and λ, of red and bandwidth, of green.
 SpectralNode spectralNode(highp sampler2D nodes, int index) {
 	vec4 white = texelFetch(nodes, ivec2(index, 0), 0);
 	vec4 red = texelFetch(nodes, ivec2(index, 1), 0);
-	vec4 green = texelFetch(nodes, ivec2(index, 2), 0);
-	vec4 blue = texelFetch(nodes, ivec2(index, 3), 0);
-	return SpectralNode(white.w, red.w, mat3(red.xyz, green.xyz, blue.xyz));
+	vec3 green = texelFetch(nodes, ivec2(index, 2), 0).xyz;
+	return SpectralNode(white.w, red.w, mat3(red.xyz, green, white.xyz - red.xyz - green));
 }
 
 // A node as a light shows it.

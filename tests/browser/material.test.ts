@@ -173,6 +173,29 @@ describe('the environment', () => {
     // Filters of a GPU place texels to 1/256.
     expect(Math.sqrt(error / total)).toBeLessThan(0.01)
   })
+
+  it('is blurred by roughness from none at all', async () => {
+    // So many nodes that no share of an arc is as wide as a texel: a smooth surface reads whole levels, a rough one does not.
+    const material = { environmentNodes: 60 }
+    const scene: SceneDescription = {
+      ...(await readScene('environment-warehouse')),
+      size: [48, 48],
+      material,
+    }
+    const difference = async (roughness: number): Promise<number> => {
+      const rough = await render(harness, { ...scene, material: { ...material, roughness } })
+      let [error, total] = [0, 0]
+      rough.radiance.forEach((value, i) => {
+        error += (value - smooth.radiance[i]!) ** 2
+        total += smooth.radiance[i]! ** 2
+      })
+      return Math.sqrt(error / total)
+    }
+    const smooth = await render(harness, scene)
+    // A tilt of 1/5000 of a texel.
+    expect(await difference(1e-6)).toBeLessThan(1e-4)
+    expect(await difference(0.02)).toBeGreaterThan(0.1)
+  })
 })
 
 describe('several lights', () => {

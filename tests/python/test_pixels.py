@@ -31,7 +31,7 @@ ARC = LOOP | {"environmentNodes": 401}
 
 # Scene, pixels, method, and the largest errors allowed: relative RMSE of XYZ radiance and 95th
 # percentile of ΔE2000. The loop at 1 nm sums the reference's own wavelengths and the arc of 401
-# nodes its own directions: what is left to them is tables of halves and filters of 8 bits.
+# nodes its own directions: what is left to them is tables of halves, and float32.
 CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
     "rectangular, 0.6 µm": ("plane-sharp-rectangular", (192, 24), CLOSED, 0.01, 1),
     "rectangular, 0.6 µm, by 1 nm": ("plane-sharp-rectangular", (192, 24), NANOMETRES, 0.01, 0.2),
@@ -77,7 +77,15 @@ CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
     ),
     # Thousands of lines in 192 lookups: the studio's strips cut their light into narrow stripes.
     "fingers, environment": ("height-field-fingers-studio", (10, 10), {}, 0.06, 8),
-    "environment, 401 nodes": ("environment-studio", (36, 36), ARC, 0.005, 0.5),
+    "environment, 401 nodes": ("environment-studio", (16, 16), ARC, 0.0005, 0.1),
+    "small lamps, 401 nodes": ("environment-warehouse", (16, 16), ARC, 0.0005, 0.1),
+    "environment, 26 nodes": (
+        "environment-studio",
+        (16, 16),
+        CLOSED | {"environmentNodes": 26},
+        0.002,
+        1,
+    ),
 }
 
 

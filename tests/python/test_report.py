@@ -365,7 +365,8 @@ def field_result(
 ) -> SceneResult:
     """A height field drawn by the first of `FIELD_METHODS`, added times being frames less one."""
     drawn_by = changes.pop("methods", FIELD_METHODS)[: len(errors)]
-    surface = {"kind": "height-field", "field": changes.pop("field", "bumps")}
+    field = {"kind": "height-field", "field": changes.pop("field", "bumps")}
+    surface = changes.pop("surface", field)
     file = written(tmp_path, surface=surface, methods=drawn_by, **changes)
     scene = Scene.read(file).model_copy(update={"name": name})
     methods = [
@@ -414,6 +415,38 @@ def test_speed_is_compared_at_equal_error(tmp_path: Path) -> None:
     assert bars["added time, line-sum over the seed's series"].value == pytest.approx(0.05)
     wrong = field_result(tmp_path, "sharp", [0.02, 0.03, 0.04, 0.003], [2, 6, 11, 21])
     assert not any(asked.startswith("added time") for asked in field_bars(wrong))
+
+
+def arcs_result(
+    tmp_path: Path, name: str, errors: Sequence[float], frames: Sequence[float]
+) -> SceneResult:
+    """A grating in an environment: 21 uniform nodes first, then ours; one frame without."""
+    seed = {"method": "wavelength-loop", "seed": True, "knobs": {"environment_nodes": 21}}
+    ours = [{"method": "closed-form", "knobs": {"environment_nodes": n}} for n in (8, 12, 26)]
+    return field_result(
+        *(tmp_path, name, errors, frames),
+        **{"methods": [seed, *ours], "lights": [], "environment": {"asset": "studio"}},
+        surface=SCENE["surface"],
+    )
+
+
+def test_arcs_are_held_against_the_papers_at_equal_time_and_at_equal_error(tmp_path: Path) -> None:
+    in_time = "error over that of the papers' arcs, in their time"
+    at_error = "added time over that of the papers' arcs, at their error"
+    good = arcs_result(tmp_path, "studio", [0.01, 0.02, 0.01, 0.001], [21, 4, 6, 21])
+    bars = field_bars(good)
+    assert bars[in_time].value == pytest.approx(0.1)
+    assert bars[at_error].value == pytest.approx(0.25)
+    assert bars[in_time].is_met and bars[at_error].is_met
+    # The most nodes are a little slower than the papers', the middle ones a little worse.
+    slow = arcs_result(tmp_path, "night", [0.01, 0.02, 0.0101, 0.001], [21, 4, 6, 21.1])
+    bars = field_bars(good, slow)
+    assert (bars[in_time].where, bars[at_error].where) == ("night", "night")
+    assert bars[in_time].value == pytest.approx(1.01)
+    assert bars[at_error].value == pytest.approx(1.005)
+    assert not bars[in_time].is_met and not bars[at_error].is_met
+    never = arcs_result(tmp_path, "venice", [0.01, 0.02, 0.03, 0.04], [21, 22, 23, 24])
+    assert field_bars(never)[in_time].value == field_bars(never)[at_error].value == np.inf
 
 
 def test_the_baked_pattern_is_timed_with_roughness_and_others_without(tmp_path: Path) -> None:

@@ -2,10 +2,17 @@ import { DataUtils } from 'three'
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest'
 import { arrayOf, constantOf, loadMap, valuesOf, type LoadedMap } from '../../web/maps/load'
 import { stepTexture } from '../../web/maps/step-texture'
+import { arcNodes } from '../../web/spectrum/arc-nodes'
 import { lobeTexture } from '../../web/spectrum/lobe-texture'
 import { maxOrder } from '../../web/spectrum/max-order'
 import { metalReflectance } from '../../web/spectrum/metal-reflectance'
-import { nodesTexture, spectralNodes, type Placement } from '../../web/spectrum/spectral-nodes'
+import { solveLinear } from '../../web/spectrum/solve-linear'
+import {
+  nodesTexture,
+  seenIn,
+  spectralNodes,
+  type Placement,
+} from '../../web/spectrum/spectral-nodes'
 import { serveBakedMaps } from './baked-maps'
 
 let lobes: LoadedMap
@@ -107,13 +114,105 @@ describe('spectral nodes', () => {
 
   it('come with the reflectance of the metal in their texture', () => {
     const nodes = spectralNodes(lobes, 3, 'uniform')
-    const { data } = nodesTexture(nodes, (wavelength) => 10 * wavelength).image as {
-      data: Float32Array
+    const seen = seenIn(nodes, (wavelength) => 10 * wavelength)
+    const { data, height } = nodesTexture(seen).image as { data: Float32Array; height: number }
+    const { wavelength, bandwidth, tints } = nodes[2]!
+    const texel = (row: number): number[] => [
+      ...data.subarray(4 * (3 * row + 2), 4 * (3 * row + 3)),
+    ]
+    const expected = (...values: number[]): unknown =>
+      values.map((value) => expect.closeTo(10 * wavelength * value, 6) as number)
+    const [white, red, green] = [texel(0), texel(1), texel(2)]
+    expect(height).toBe(3)
+    expect(red.slice(0, 3)).toEqual(expected(...tints.slice(0, 3)))
+    expect(green.slice(0, 3)).toEqual(expected(...tints.slice(3, 6)))
+    const blue = [0, 1, 2].map((c) => white[c]! - red[c]! - green[c]!)
+    expect(blue).toEqual(expected(...tints.slice(6, 9)))
+    expect([white[3], red[3]]).toEqual([Math.fround(wavelength), Math.fround(bandwidth)])
+  })
+})
+
+describe('nodes along an arc', () => {
+  const metal = (wavelength: number): number => 0.5 + wavelength
+  const counts = [1, 2, 12, 26, 401]
+
+  /** ∫ W R L dλ by nanometres: nine numbers. */
+  function integral(radiance: (wavelength: number) => number): number[] {
+    const cells = seenIn(spectralNodes(lobes, 401, 'uniform'), metal)
+    return sumOver(cells, radiance)
+  }
+
+  function sumOver(
+    nodes: readonly { wavelength: number; tints: number[] }[],
+    radiance: (wavelength: number) => number,
+  ): number[] {
+    return Array.from({ length: 9 }, (_, c) =>
+      nodes.reduce((sum, { wavelength, tints }) => sum + tints[c]! * radiance(wavelength), 0),
+    )
+  }
+
+  function distance(a: readonly number[], b: readonly number[]): number {
+    return Math.hypot(...a.map((value, i) => value - b[i]!))
+  }
+
+  it.each(counts)('%s of them sum an even radiance exactly, in a metal', (count) => {
+    const nodes = arcNodes(lobes, count, metal)
+    expect(nodes).toHaveLength(count)
+    const even = (): number => 1
+    expect(distance(sumOver(nodes, even), integral(even))).toBeLessThan(1e-9)
+  })
+
+  it.each(counts)('%s of them lie in bands side by side over the visible range', (count) => {
+    let edge = 0.3795
+    for (const { wavelength, bandwidth } of arcNodes(lobes, count, metal)) {
+      expect(wavelength).toBeGreaterThan(edge)
+      expect(wavelength).toBeLessThan(edge + bandwidth)
+      edge += bandwidth
     }
-    const blueOfLastNode = data[(3 * 3 + 2) * 4 + 2]
-    const { wavelength, tints } = nodes[2]!
-    expect(blueOfLastNode).toBeCloseTo(tints[8]! * 10 * wavelength, 6)
-    expect(data[2 * 4 + 3]).toBeCloseTo(wavelength, 6)
+    expect(edge).toBeCloseTo(0.7805, 9)
+  })
+
+  it('err least: what grows as the variogram from two of the nodes cancels', () => {
+    // The equations of ordinary kriging: Σ W_i γ(λ_i, λ_j) + μ = ∫ W γ(λ, λ_j) dλ, with one μ for all nodes j.
+    const nodes = arcNodes(lobes, 12, metal)
+    const grows = (j: number) => (wavelength: number) =>
+      Math.abs(wavelength - nodes[j]!.wavelength) ** 1.5
+    for (const j of [1, 5, 11]) {
+      const radiance = (wavelength: number): number => grows(j)(wavelength) - grows(0)(wavelength)
+      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(1e-9)
+    }
+  })
+
+  it('follow stripes of light more closely than as many uniform ones', () => {
+    for (const period of [0.12, 0.2, 0.4]) {
+      const stripes = (wavelength: number): number => Math.sin((2 * Math.PI * wavelength) / period)
+      const exact = integral(stripes)
+      const uniform = seenIn(spectralNodes(lobes, 21, 'uniform'), metal)
+      const error = distance(sumOver(arcNodes(lobes, 21, metal), stripes), exact)
+      expect(error).toBeLessThan(0.3 * distance(sumOver(uniform, stripes), exact))
+    }
+  })
+})
+
+describe('linear equations', () => {
+  it('are solved where a pivot is zero, for several right sides', () => {
+    const matrix = [
+      [0, 2, 1],
+      [1, 0, 3],
+      [4, 1, 0],
+    ]
+    const solution = [
+      [1, -2],
+      [2, 0.5],
+      [-3, 4],
+    ]
+    const right = matrix.map((row) =>
+      [0, 1].map((c) => row.reduce((sum, value, k) => sum + value * solution[k]![c]!, 0)),
+    )
+    const found = solveLinear(matrix, right)
+    found.flat().forEach((value, i) => {
+      expect(value).toBeCloseTo(solution.flat()[i]!, 12)
+    })
   })
 })
 

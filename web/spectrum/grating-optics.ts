@@ -42,8 +42,7 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
     PHASE_MAX: floatLiteral(phases!.last),
     LIGHT_NODES: lightNodes,
     ENVIRONMENT_NODES: settings.environmentNodes,
-    // The papers' methods read the environment unfiltered.
-    ARC_FILTER: floatLiteral(isLoop ? 0 : ARC_FILTER),
+    ARC_FILTER: floatLiteral(ARC_FILTER),
   }
   if (isLoop) defines['WAVELENGTH_LOOP'] = ''
   if (isSymmetric) defines['PROFILE_SYMMETRIC'] = ''
@@ -65,7 +64,11 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
       uLightNodes: { value: spectra.nodes(lightNodes, placement) },
     },
     environmentUniforms: () => ({
-      uEnvironmentNodes: { value: spectra.nodes(settings.environmentNodes, placement) },
+      uEnvironmentNodes: {
+        value: isLoop
+          ? spectra.nodes(settings.environmentNodes, placement)
+          : spectra.arcNodes(settings.environmentNodes),
+      },
     }),
   }
 }

@@ -52,30 +52,35 @@ export function spectralNodes(
   })
 }
 
-/**
- * Nodes as the texture that shaders/spectrum.glsl reads: a column a node, four rows, seen in a metal.
- *
- * @param reflectance - R(λ) of the metal, λ in µm
- */
-export function nodesTexture(
+/** Nodes seen in a metal. reflectance: R(λ), λ in µm. */
+export function seenIn(
   nodes: readonly SpectralNode[],
   reflectance: (wavelength: number) => number,
-): DataTexture {
-  const rows = new Float32Array(nodes.length * 4 * 4)
-  nodes.forEach(({ wavelength, bandwidth, tints: lit }, i) => {
-    const tints = lit.map((value) => value * reflectance(wavelength))
+): SpectralNode[] {
+  return nodes.map((node) => ({
+    ...node,
+    tints: node.tints.map((value) => value * reflectance(node.wavelength)),
+  }))
+}
+
+/**
+ * Nodes as the texture that shaders/spectrum.glsl reads: a column a node; XYZ of white and λ, of red and bandwidth, and
+ * of green. Blue's is the rest.
+ */
+export function nodesTexture(nodes: readonly SpectralNode[]): DataTexture {
+  const rows = new Float32Array(nodes.length * 3 * 4)
+  nodes.forEach(({ wavelength, bandwidth, tints }, i) => {
     const white = [0, 1, 2].map((c) => tints[c]! + tints[c + 3]! + tints[c + 6]!)
     const columns = [
       [...white, wavelength],
       [...tints.slice(0, 3), bandwidth],
       [...tints.slice(3, 6), 0],
-      [...tints.slice(6, 9), 0],
     ]
     columns.forEach((texel, row) => {
       rows.set(texel, (row * nodes.length + i) * 4)
     })
   })
-  const texture = new DataTexture(rows, nodes.length, 4, RGBAFormat, FloatType)
+  const texture = new DataTexture(rows, nodes.length, 3, RGBAFormat, FloatType)
   texture.minFilter = texture.magFilter = NearestFilter
   texture.needsUpdate = true
   return texture

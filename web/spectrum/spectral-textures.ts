@@ -2,9 +2,10 @@ import type { DataTexture } from 'three'
 import type { LoadedMap } from '../maps/load'
 import { sharedTexture } from '../maps/shared-texture'
 import type { Metal } from '../surfaces/surface'
+import { arcNodes } from './arc-nodes'
 import { lobeTexture } from './lobe-texture'
 import { metalReflectance } from './metal-reflectance'
-import { nodesTexture, spectralNodes, type Placement } from './spectral-nodes'
+import { nodesTexture, seenIn, spectralNodes, type Placement } from './spectral-nodes'
 
 /** The spectral textures of one illuminant seen in one metal; each is made once and shared by all materials. */
 export class SpectralTextures {
@@ -25,7 +26,13 @@ export class SpectralTextures {
 
   nodes(count: number, placement: Placement): DataTexture {
     return this.#once(`${placement} ${count}`, () =>
-      nodesTexture(spectralNodes(this.lobes, count, placement), this.#reflectance),
+      nodesTexture(seenIn(spectralNodes(this.lobes, count, placement), this.#reflectance)),
+    )
+  }
+
+  arcNodes(count: number): DataTexture {
+    return this.#once(`arc ${count}`, () =>
+      nodesTexture(arcNodes(this.lobes, count, this.#reflectance)),
     )
   }
 

@@ -8,8 +8,8 @@ const VISIBLE = 0.4
 
 /**
  * Share of a node's arc over which the environment is filtered. A mip level blurs across the arc as much as along it, so
- * less than the whole arc is best: of 0, 0.35, 0.7, 1 and 1.4 this had the least error with 8 to 21 nodes under the
- * studio, venice, night and warehouse environments of @pmndrs/assets.
+ * less than the whole arc is best: of 0, 0.35, 0.5, 0.7 and 1 none did better at 8, 12, 16 and 21 nodes taken together,
+ * under the studio, venice, night and warehouse environments of @pmndrs/assets, on gratings of 0.62 and 1.66 µm.
  */
 export const ARC_FILTER = 0.35
 

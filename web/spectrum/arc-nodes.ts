@@ -1,0 +1,158 @@
+import { parameterFromTexel } from '../maps/axes'
+import { arrayOf, type LoadedMap } from '../maps/load'
+import { solveLinear } from './solve-linear'
+import type { SpectralNode } from './spectral-nodes'
+
+/** XYZ in light of each of the three tint bases. */
+const COLUMNS = 9
+
+/**
+ * How fast radiance is taken to change along an arc: the mean square of its difference between two wavelengths grows
+ * with their distance to this power. 1 is a path of edges, 2 a smooth one.
+ */
+const VARIOGRAM = 1.5
+
+/** Share of the nodes that is spread evenly over the spectrum, so that none of its dim ends goes without. */
+const EVEN_SHARE = 0.1
+
+/** One nanometre of the spectrum. */
+interface Cell {
+  /** Its middle, µm. */
+  wavelength: number
+  /** Its width, µm. */
+  width: number
+  /** XYZ in light of the three tint bases, seen in the metal. */
+  tints: number[]
+}
+
+/**
+ * Wavelengths at which the arcs of an environment are read, and the weights by which the readings stand for the whole
+ * spectrum: the linear estimate of ∫ W R L dλ that errs least on average over all radiances L(λ) whose differences
+ * grow as `VARIOGRAM` says, and not at all where L is the same everywhere (ordinary kriging, Matheron 1963). Nodes are at
+ * the centroids of bands whose density goes with the root of the weight: the error of a band grows with its weight
+ * times the square of its width.
+ *
+ * @param lobes - a map of kind 'lobes'
+ * @param count - number of nodes, 1 or more
+ * @param reflectance - R(λ) of the metal, λ in µm; the nodes' tints come with it
+ */
+export function arcNodes(
+  lobes: LoadedMap,
+  count: number,
+  reflectance: (wavelength: number) => number,
+): SpectralNode[] {
+  const cells = spectrumCells(lobes, reflectance)
+  const nodes = bandNodes(cells, count)
+  const wavelengths = nodes.map((node) => node.wavelength)
+  const tints = estimatorWeights(cells, wavelengths)
+  return nodes.map((node, i) => ({ ...node, tints: tints[i]! }))
+}
+
+function spectrumCells(
+  lobes: LoadedMap,
+  reflectance: (wavelength: number) => number,
+): readonly Cell[] {
+  const { spec, data } = arrayOf(lobes, 'weights')
+  const axis = spec.axes[0]!
+  return Array.from({ length: axis.size - 1 }, (_, i) => {
+    const [low, high] = [parameterFromTexel(axis, i), parameterFromTexel(axis, i + 1)]
+    const wavelength = (low + high) / 2
+    const tints = Array.from(
+      { length: COLUMNS },
+      (_, c) => reflectance(wavelength) * (data[(i + 1) * COLUMNS + c]! - data[i * COLUMNS + c]!),
+    )
+    return { wavelength, width: high - low, tints }
+  })
+}
+
+/** Bands side by side over the spectrum, each with a node at the centroid of its weight. */
+function bandNodes(cells: readonly Cell[], count: number): Omit<SpectralNode, 'tints'>[] {
+  const roots = cells.map(({ tints }) => Math.sqrt(Math.hypot(...tints)))
+  const total = sum(roots)
+  const density = new Cumulative(
+    cells,
+    roots.map((root) => ((1 - EVEN_SHARE) * root) / total + EVEN_SHARE / cells.length),
+  )
+  const weight = new Cumulative(
+    cells,
+    cells.map(({ tints }) => sum(tints)),
+  )
+  const edges = Array.from({ length: count + 1 }, (_, i) => density.inverse(i / count))
+  return edges.slice(1).map((high, i) => {
+    const low = edges[i]!
+    const light = weight.at(high) - weight.at(low)
+    const moment = weight.momentAt(high) - weight.momentAt(low)
+    return { wavelength: light > 0 ? moment / light : (low + high) / 2, bandwidth: high - low }
+  })
+}
+
+/** The weights of a reading at each of those wavelengths, in µm: nine numbers for each. */
+function estimatorWeights(cells: readonly Cell[], wavelengths: readonly number[]): number[][] {
+  const variogram = (a: number, b: number): number => Math.abs(a - b) ** VARIOGRAM
+  const total = Array.from({ length: COLUMNS }, (_, c) => sum(cells.map(({ tints }) => tints[c]!)))
+  const system = wavelengths.map((a) => [...wavelengths.map((b) => variogram(a, b)), 1])
+  const right = wavelengths.map((a) => {
+    const mean = total.map(() => 0)
+    for (const { wavelength, tints } of cells) {
+      const distance = variogram(a, wavelength)
+      for (let c = 0; c < COLUMNS; c++) mean[c]! += distance * tints[c]!
+    }
+    return mean
+  })
+  // The last row: a radiance that is the same everywhere is summed exactly.
+  system.push([...wavelengths.map(() => 1), 0])
+  right.push(total)
+  return solveLinear(system, right).slice(0, -1)
+}
+
+/** The sum over cells up to a wavelength, each cell's amount spread evenly over it. */
+class Cumulative {
+  readonly #amounts: number[] = [0]
+  readonly #moments: number[] = [0]
+
+  constructor(
+    private readonly cells: readonly Cell[],
+    private readonly parts: readonly number[],
+  ) {
+    parts.forEach((part, i) => {
+      this.#amounts.push(this.#amounts[i]! + part)
+      this.#moments.push(this.#moments[i]! + part * cells[i]!.wavelength)
+    })
+  }
+
+  at(wavelength: number): number {
+    const { index, share } = this.#place(wavelength)
+    return this.#amounts[index]! + share * this.parts[index]!
+  }
+
+  /** The sum of amounts times their wavelengths. */
+  momentAt(wavelength: number): number {
+    const { index, share, low } = this.#place(wavelength)
+    return this.#moments[index]! + share * this.parts[index]! * ((low + wavelength) / 2)
+  }
+
+  /** The wavelength up to which the sum is that amount. */
+  inverse(amount: number): number {
+    const last = this.parts.length - 1
+    const found = this.#amounts.findIndex((above, i) => i > 0 && above >= amount)
+    const index = found < 0 ? last : found - 1
+    const share = Math.min((amount - this.#amounts[index]!) / this.parts[index]!, 1)
+    return this.#low(index) + share * this.cells[index]!.width
+  }
+
+  #place(wavelength: number): { index: number; share: number; low: number } {
+    const { width } = this.cells[0]!
+    const index = Math.floor((wavelength - this.#low(0)) / width)
+    const held = Math.min(Math.max(index, 0), this.cells.length - 1)
+    const low = this.#low(held)
+    return { index: held, share: (wavelength - low) / width, low }
+  }
+
+  #low(index: number): number {
+    return this.cells[index]!.wavelength - this.cells[index]!.width / 2
+  }
+}
+
+function sum(values: readonly number[]): number {
+  return values.reduce((total, value) => total + value, 0)
+}
