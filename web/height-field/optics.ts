@@ -57,6 +57,8 @@ export function heightFieldOptics(
       ...uniforms,
       ...pattern.uniforms,
     },
+    // Samples are merged over wavelengths: there are no others in between.
+    environmentRefinement: null,
     environmentUniforms: () => ({
       uEnvironmentSamples: {
         value: environmentTexture(relief, lobes, metals, metal, environmentNodes),

@@ -22,9 +22,11 @@ import {
 } from 'three'
 import type { DiffractionError } from '../errors'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders'
+import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame'
 import type {
   Efficiencies,
   Energy,
+  EnvironmentRefinement,
   Feature,
   LightOptics,
   Metal,
@@ -92,6 +94,9 @@ export class DiffractionMaterial extends ShaderMaterial {
   #environmentFeatures: readonly Feature[] = []
   /** Makes what an environment needs of the optics; null once it is there. */
   #environmentUniforms: Optics['environmentUniforms'] | null = null
+  #environmentRefinement: EnvironmentRefinement | null = null
+  /** How many frames of a refinement the uniforms serve; 0: of none. */
+  #refinementFrames = 0
   #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
   /** What the lights of the last frame drawn asked of the optics. */
   #lightOptics: LightOptics = { defines: {}, features: [] }
@@ -540,6 +545,8 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#opticsFeatures = optics.features
     this.#environmentFeatures = optics.environmentFeatures
     this.#environmentUniforms = environmentUniforms
+    this.#environmentRefinement = optics.environmentRefinement
+    this.#refinementFrames = 0
     this.#underLights = underLights
     this.#largestRadius = -1
     this.#takeUniforms(uniforms)
@@ -603,6 +610,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       this.#takeUniforms(this.#environmentUniforms())
       this.#environmentUniforms = null
     }
+    this.#followRefinement(refinementFrame(scene))
     const { texture, isCube, texel } = environment
     const euler = isOwn ? this.envMapRotation : scene.environmentRotation
     const rotation = this.uniforms.uEnvironmentRotation!.value as Matrix3
@@ -615,6 +623,16 @@ export class DiffractionMaterial extends ShaderMaterial {
       'uEnvironmentIntensity',
       isOwn ? this.envMapIntensity : scene.environmentIntensity,
     )
+  }
+
+  #followRefinement(frame: RefinementFrame | null): void {
+    const refinement = this.#environmentRefinement
+    if (refinement === null) return
+    if (frame !== null && frame.count !== this.#refinementFrames) {
+      this.#refinementFrames = frame.count
+      this.#takeUniforms(refinement.uniforms(frame.count))
+    }
+    this.#setNumber('uEnvironmentStart', frame === null ? 0 : refinement.start(frame))
   }
 
   #followTextures(): void {

@@ -1,5 +1,6 @@
 import { parameterFromTexel } from '../maps/axes'
 import { arrayOf, type LoadedMap } from '../maps/load'
+import { radicalInverse } from '../refinement/radical-inverse'
 import { solveLinear } from './solve-linear'
 import type { SpectralNode } from './spectral-nodes'
 
@@ -33,19 +34,32 @@ interface Cell {
  * times the square of its width.
  *
  * @param lobes - a map of kind 'lobes'
- * @param count - number of nodes, 1 or more
+ * Over several frames, each with nodes of its own in between those of the others, the mean of the frames is the estimate
+ * that errs least, and each frame alone is exact where L is the same everywhere.
+ *
+ * @param count - number of nodes of a frame, 1 or more
  * @param reflectance - R(λ) of the metal, λ in µm; the nodes' tints come with it
+ * @param frames - number of frames, a power of 2
+ * @returns the nodes of one frame after the other's; the mean of the first 2, 4, 8 … frames spreads evenly
  */
 export function arcNodes(
   lobes: LoadedMap,
   count: number,
   reflectance: (wavelength: number) => number,
+  frames = 1,
 ): SpectralNode[] {
   const cells = spectrumCells(lobes, reflectance)
-  const nodes = bandNodes(cells, count)
+  const nodes = bandNodes(cells, count * frames)
   const wavelengths = nodes.map((node) => node.wavelength)
-  const tints = estimatorWeights(cells, wavelengths)
-  return nodes.map((node, i) => ({ ...node, tints: tints[i]! }))
+  const tints = estimatorWeights(cells, wavelengths, frames)
+  return Array.from({ length: frames }, (_, frame) => {
+    // The first in the middle of each frame's bands.
+    const place = (radicalInverse(frame, 2) * frames + frames / 2) % frames
+    return Array.from({ length: count }, (_, band) => {
+      const i = band * frames + Math.floor(place)
+      return { ...nodes[i]!, tints: tints[i]!.map((tint) => tint * frames) }
+    })
+  }).flat()
 }
 
 function spectrumCells(
@@ -86,11 +100,21 @@ function bandNodes(cells: readonly Cell[], count: number): Omit<SpectralNode, 't
   })
 }
 
-/** The weights of a reading at each of those wavelengths, in µm: nine numbers for each. */
-function estimatorWeights(cells: readonly Cell[], wavelengths: readonly number[]): number[][] {
+/** The weights of a reading at each of those wavelengths, in µm, one of each frame in turn: nine numbers for each. */
+function estimatorWeights(
+  cells: readonly Cell[],
+  wavelengths: readonly number[],
+  frames: number,
+): number[][] {
   const variogram = (a: number, b: number): number => Math.abs(a - b) ** VARIOGRAM
   const total = Array.from({ length: COLUMNS }, (_, c) => sum(cells.map(({ tints }) => tints[c]!)))
-  const system = wavelengths.map((a) => [...wavelengths.map((b) => variogram(a, b)), 1])
+  const isOfFrame = Array.from({ length: frames }, (_, frame) =>
+    wavelengths.map((_, i) => (i % frames === frame ? 1 : 0)),
+  )
+  const system = wavelengths.map((a, i) => [
+    ...wavelengths.map((b) => variogram(a, b)),
+    ...isOfFrame.map((row) => row[i]!),
+  ])
   const right = wavelengths.map((a) => {
     const mean = total.map(() => 0)
     for (const { wavelength, tints } of cells) {
@@ -99,10 +123,12 @@ function estimatorWeights(cells: readonly Cell[], wavelengths: readonly number[]
     }
     return mean
   })
-  // The last row: a radiance that is the same everywhere is summed exactly.
-  system.push([...wavelengths.map(() => 1), 0])
-  right.push(total)
-  return solveLinear(system, right).slice(0, -1)
+  // The last rows: each frame sums a radiance that is the same everywhere exactly.
+  for (const row of isOfFrame) {
+    system.push([...row, ...isOfFrame.map(() => 0)])
+    right.push(total.map((value) => value / frames))
+  }
+  return solveLinear(system, right).slice(0, wavelengths.length)
 }
 
 /** The sum over cells up to a wavelength, each cell's amount spread evenly over it. */
