@@ -12,8 +12,6 @@ import { MovingResolution } from './moving-resolution'
 
 /** How long after the last change the picture is drawn in full resolution, ms. */
 const REST_DELAY = 160
-/** A picture at rest is finished after this time at the latest, ms: slow devices do with fewer frames. */
-const REST_TIME = 1500
 
 /** Vertical, °, in windows that are wide enough. */
 const FIELD_OF_VIEW = 30
@@ -42,7 +40,6 @@ export class Viewer {
   #isMeanAtRest = false
   #lastFrame = 0
   #lastChange = 0
-  #restStart = 0
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -146,11 +143,10 @@ export class Viewer {
     }
     if (!this.#isMeanAtRest) {
       this.#isMeanAtRest = true
-      this.#restStart = now
       this.canvas.dataset['state'] = 'refining'
       this.#begin(1)
     }
-    if (this.#refine() && now - this.#restStart <= REST_TIME) this.#request()
+    if (this.#refine()) this.#request()
     else this.#settle()
   }
 
