@@ -183,6 +183,39 @@ describe('nodes along an arc', () => {
     }
   })
 
+  it('of many frames sum an even radiance exactly, each frame for itself', () => {
+    const even = (): number => 1
+    const nodes = arcNodes(lobes, 12, metal, 8)
+    expect(nodes).toHaveLength(96)
+    for (let frame = 0; frame < 8; frame++) {
+      const own = nodes.slice(12 * frame, 12 * (frame + 1))
+      expect(distance(sumOver(own, even), integral(even))).toBeLessThan(1e-9)
+      // One in each of twelve bands, in order.
+      for (let i = 1; i < 12; i++)
+        expect(own[i]!.wavelength).toBeGreaterThan(own[i - 1]!.wavelength)
+    }
+  })
+
+  it.each([2, 4, 16])('of %s frames err in the mean as that many times the nodes', (frames) => {
+    const mean = arcNodes(lobes, 12, metal, frames).map((node) => ({
+      ...node,
+      tints: node.tints.map((tint) => tint / frames),
+    }))
+    const dense = arcNodes(lobes, 12 * frames, metal)
+    const single = arcNodes(lobes, 12, metal)
+    let [shared, whole, alone] = [0, 0, 0]
+    for (const period of [0.05, 0.06, 0.07, 0.09, 0.12, 0.2]) {
+      const stripes = (wavelength: number): number => Math.sin((2 * Math.PI * wavelength) / period)
+      const exact = integral(stripes)
+      shared += distance(sumOver(mean, stripes), exact)
+      whole += distance(sumOver(dense, stripes), exact)
+      alone += distance(sumOver(single, stripes), exact)
+    }
+    // Sixteen pay a little for being exact each for itself.
+    if (frames < 16) expect(shared).toBeLessThan(1.1 * whole)
+    expect(shared).toBeLessThan(alone / (2 * frames))
+  })
+
   it('follow stripes of light more closely than as many uniform ones', () => {
     for (const period of [0.12, 0.2, 0.4]) {
       const stripes = (wavelength: number): number => Math.sin((2 * Math.PI * wavelength) / period)

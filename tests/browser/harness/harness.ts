@@ -1,5 +1,6 @@
 import { WebGLRenderer } from 'three'
 import { countCompilations } from './recompilation'
+import { reportRefinement } from './refinement'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
 import {
@@ -28,6 +29,8 @@ export interface Harness {
   drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
   /** Counts the programs that a scene with this surface links as it changes. */
   countCompilations: typeof countCompilations
+  /** What refining a scene at rest does. */
+  reportRefinement: typeof reportRefinement
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -70,6 +73,7 @@ window.harness = {
   drawSets: (program, sets) => drawSets(renderer, program, sets),
   drawVariants,
   countCompilations,
+  reportRefinement,
   probeFeatures,
 }
 
