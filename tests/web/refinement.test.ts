@@ -1,15 +1,25 @@
 import { OrthographicCamera, PerspectiveCamera, Scene, Vector3, type Camera } from 'three'
 import { describe, expect, it } from 'vitest'
 import { jitteredProjection } from '../../web/refinement/jittered-projection'
+import { pixelOffsets } from '../../web/refinement/pixel-offsets'
 import { radicalInverse } from '../../web/refinement/radical-inverse'
 import { drawRefinementFrame, refinementFrame } from '../../web/refinement/refinement-frame'
 
 describe('the radical inverse', () => {
   it('mirrors digits at the point', () => {
-    // 6 is 110 in base 2 and 20 in base 3: 0.011 and 0.02.
-    expect(radicalInverse(6, 2)).toBe(3 / 8)
-    expect(radicalInverse(6, 3)).toBeCloseTo(2 / 9, 12)
-    expect(radicalInverse(0, 5)).toBe(0)
+    // 110 becomes 0.011.
+    expect(radicalInverse(6)).toBe(3 / 8)
+    expect(radicalInverse(0)).toBe(0)
+  })
+})
+
+describe('the centres of pixels', () => {
+  it.each([1, 2, 16, 64])('lie once at each offset along both axes: %s', (frames) => {
+    const offsets = pixelOffsets(frames)
+    const evenly = Array.from({ length: frames }, (_, i) => (i + 0.5) / frames - 0.5)
+    for (const axis of [0, 1] as const)
+      expect(offsets.map((offset) => offset[axis]).sort((a, b) => a - b)).toEqual(evenly)
+    expect(Math.hypot(...offsets[0]!)).toBeLessThanOrEqual(Math.SQRT1_2 / frames)
   })
 })
 

@@ -13,7 +13,7 @@ import {
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js'
 import { DiffractionError } from '../errors'
 import { jitteredProjection } from './jittered-projection'
-import { radicalInverse } from './radical-inverse'
+import { pixelOffsets } from './pixel-offsets'
 import { drawRefinementFrame } from './refinement-frame'
 
 const OWNER = 'ProgressiveRefinement'
@@ -70,7 +70,7 @@ export class ProgressiveRefinement {
   /** After how many frames the picture is finished. */
   readonly frames: number
   readonly #renderer: WebGLRenderer
-  readonly #antialias: boolean
+  readonly #offsets: readonly [number, number][] | null
   readonly #sample: WebGLRenderTarget
   #mean: WebGLRenderTarget
   /** Where the next mean is written: a program cannot read what it writes. */
@@ -87,7 +87,7 @@ export class ProgressiveRefinement {
   ) {
     this.frames = powerOfTwo(frames)
     this.#renderer = renderer
-    this.#antialias = antialias
+    this.#offsets = antialias ? pixelOffsets(this.frames) : null
     // Not all devices draw in floats and enlarge them smoothly; halves round the mean to about 1e-3.
     const isFloat = ['EXT_color_buffer_float', 'OES_texture_float_linear'].every((name) =>
       renderer.extensions.has(name),
@@ -152,7 +152,7 @@ export class ProgressiveRefinement {
     if (this.#count >= this.frames) return false
     const renderer = this.#renderer
     const before = renderer.getRenderTarget()
-    const [x, y] = this.#antialias ? pixelOffset(this.#count) : [0, 0]
+    const [x, y] = this.#offsets?.[this.#count] ?? [0, 0]
     const { width, height } = this.#sample
     renderer.setRenderTarget(this.#sample)
     renderer.clear()
@@ -208,13 +208,4 @@ function powerOfTwo(frames: unknown): number {
     value: frames,
     expected: 'a power of 2 from 1 to 1024',
   })
-}
-
-/**
- * Where a frame has its pixels' centres, in pixels from their middles, −0.5 to 0.5. The first is in the middle. Bases 3 and
- * 5 (Halton 1960), since wavelengths go by 2: offsets that went along with them would be no mean over both.
- */
-function pixelOffset(frame: number): [number, number] {
-  if (frame === 0) return [0, 0]
-  return [radicalInverse(frame, 3) - 0.5, radicalInverse(frame, 5) - 0.5]
 }

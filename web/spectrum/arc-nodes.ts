@@ -54,7 +54,7 @@ export function arcNodes(
   const tints = estimatorWeights(cells, wavelengths, frames)
   return Array.from({ length: frames }, (_, frame) => {
     // The first in the middle of each frame's bands.
-    const place = (radicalInverse(frame, 2) * frames + frames / 2) % frames
+    const place = (radicalInverse(frame) * frames + frames / 2) % frames
     return Array.from({ length: count }, (_, band) => {
       const i = band * frames + Math.floor(place)
       return { ...nodes[i]!, tints: tints[i]!.map((tint) => tint * frames) }

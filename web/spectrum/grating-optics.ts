@@ -177,10 +177,10 @@ function describeOptics(
   ]
 }
 
-function describeNodes({ environmentNodes }: GratingOpticsSettings): Feature {
+function describeNodes({ environmentNodes, method }: GratingOpticsSettings): Feature {
   return {
     feature: 'nodes along the environment',
     included: true,
-    why: `${environmentNodes} wavelengths stand for the spectrum`,
+    why: `${environmentNodes} wavelengths stand for the spectrum, ${method === 'wavelength-loop' ? 'the same' : 'others'} in each frame of a refinement`,
   }
 }
