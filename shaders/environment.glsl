@@ -16,10 +16,10 @@ vec3 inEnvironment(vec3 directionView) {
 	return uEnvironmentRotation * (vec4(directionView, 0.0) * viewMatrix).xyz;
 }
 
-// The mip level whose texel is as wide as a footprint; footprint2: square of its full width, rad². The logarithm is that of
-// a float's own bits, straight between powers of two: 0.04 of a level too low at most, and several times as fast.
-float environmentLevel(float footprint2) {
-	float bits = float(floatBitsToInt(footprint2 / (uEnvironmentTexel * uEnvironmentTexel)));
+// The mip level whose texel is as wide as a footprint; texels2: square of its full width in texels of level 0. The logarithm
+// is that of a float's own bits, straight between powers of two: 0.04 of a level too low at most, and several times as fast.
+float environmentLevel(float texels2) {
+	float bits = float(floatBitsToInt(texels2));
 	return max(0.5 * (bits / 8388608.0 - 127.0), 0.0);  // 23 bits of fraction; an exponent of 127 is 1
 }
 
@@ -58,7 +58,8 @@ vec3 environmentTexels(vec3 direction, float level) {
 // Radiance (linear sRGB) arriving from a unit direction in view space, averaged over about `footprint`, a full width in
 // rad; 0 reads level 0.
 vec3 environmentRadiance(vec3 directionView, float footprint) {
-	return environmentTexels(inEnvironment(directionView), environmentLevel(footprint * footprint));
+	float texels = footprint / uEnvironmentTexel;
+	return environmentTexels(inEnvironment(directionView), environmentLevel(texels * texels));
 }
 
 // Irradiance (linear sRGB) on a plane with that normal, view space. An approximation by one mean over the width at

@@ -180,11 +180,15 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 #else
 // Likewise, but at nodes whose tints estimate the whole spectrum (web/spectrum/arc-nodes.ts), each reading filtered over its
 // share of the arc. An order's directions differ in two components alone, and are put together in the environment's own
-// axes.
+// axes. What does not change along a loop is taken out of it: not every compiler does.
 vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	vec3 across = inEnvironment(p.tangent);
 	vec3 along = -o.y * inEnvironment(p.bitangent);
 	vec3 up = inEnvironment(p.normal);
+	float open = 1.0 - o.y * o.y;
+	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations, in texels here.
+	float tilt = 2.0 * uRoughness / uEnvironmentTexel;
+	float tilt2 = tilt * tilt;
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, uEnvironmentStart + j);
@@ -192,11 +196,11 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 		float shift = p.frequency * node.wavelength;
 		ivec2 orders = ordersWithin(o, shift, 1.0);
 		float width = BAND_DEVIATION * s * s * node.bandwidth;
-		// The share of the first order's arc is a box of that length in the plane, 1/√12 of it its standard deviation; a mip
-		// level read bilinearly blurs as a Gaussian of half its texel.
-		float arc = ARC_FILTER * p.frequency * node.bandwidth;
+		// The share of the first order's arc is a box of that length in the plane, 1/√12 of it its standard deviation.
+		float arc = ARC_FILTER * p.frequency * node.bandwidth / uEnvironmentTexel;
 		float arc2 = 4.0 * arc * arc / 12.0;
-		float efficiency = orderEfficiency(0, reliefPhase(2.0 * o.z, s));
+		float phase = reliefPhase(1.0, s);
+		float efficiency = orderEfficiency(0, 2.0 * o.z * phase);
 		float total = efficiency;
 		#if defined(ENERGY_KIRCHHOFF) || defined(ENERGY_RECIPROCAL)
 		efficiency *= energyFactor(vec3(-o.xy, o.z), o, s, width, p.frequency);
@@ -206,15 +210,15 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 			int m = k < 0 ? k : k + 1;
 			float order = float(m);
 			float x = order * shift - o.x;
-			float z = orderCosine(o, order * shift);
-			efficiency = orderEfficiency(m, reliefPhase(o.z + z, s));
+			float z2 = open - x * x;
+			float z = sqrt(max(z2, 0.0));
+			float w = o.z + z;
+			efficiency = orderEfficiency(m, phase * w);
 			total += efficiency;
 			#if defined(ENERGY_KIRCHHOFF) || defined(ENERGY_RECIPROCAL)
 			efficiency *= energyFactor(vec3(x, -o.y, z), o, s, width, p.frequency);
 			#endif // ENERGY
-			float footprint2 = order * order * arc2 / max(z * z, 0.0025);
-			float tilt = 2.0 * (o.z + z) * uRoughness;
-			float level = environmentLevel(footprint2 + tilt * tilt);
+			float level = environmentLevel(order * order * arc2 / max(z2, 0.0025) + tilt2 * w * w);
 			// Of a smooth surface whole levels: each is one read where others are two.
 			level = uRoughness > 0.0 ? level : floor(level);
 			seen += efficiency * environmentTexels(across * x + along + up * z, level);

@@ -58,6 +58,13 @@ def grating_bars(report: Report, results: dict[str, SceneResult]) -> Iterator[Ba
         frame, share = _frame_and_share(results[TIMED_SCENE])
         yield Bar("added time, closed form over loop of 5 nm", 0.1, share, TIMED_SCENE)
         yield Bar("whole frame over iridescent MeshPhysicalMaterial", 1.2, frame, TIMED_SCENE)
+    filtered = [entry for entry in report.minified if entry.shown == "filtered"]
+    for asked, figure, limit, digits in (
+        ("foils from afar, error over mean radiance", "mean_error", 0.05, ".3g"),
+        ("foils from afar, flicker over the mean's", "flicker", 1.01, ".4f"),
+    ):
+        figures = [(f"{e.texels:g} texels to a pixel", getattr(e, figure)) for e in filtered]
+        yield from worst(asked, figures, limit, digits)
     ratios = {
         name: _frame_and_share(result)
         for name, result in results.items()

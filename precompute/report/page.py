@@ -46,6 +46,7 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
         *_table_memory(results),
         *_bake_cost(report.bake_cost),
         *_left_out(report),
+        *_minified(report),
         "## Scenes\n",
         f"Pictures show reference, result and {DIFFERENCE_GAIN} × their difference.\n",
         *(_scene(result) for result in results.values()),
@@ -218,6 +219,27 @@ def _left_out(report: Report) -> list[str]:
 adds nothing to the picture: what that would cost.
 """
     return ["## Left out\n", text, _table(header, rows)]
+
+
+def _minified(report: Report) -> list[str]:
+    if not report.minified:
+        return []
+    rows = [
+        [
+            f"{entry.texels:g}",
+            entry.shown,
+            f"{entry.mean_error:.4f}",
+            f"{entry.brightness:.4f}",
+            f"{entry.flicker:.3f}",
+        ]
+        for entry in report.minified
+    ]
+    header = ["texels to a pixel", "shown", "error / mean", "brightness", "flicker"]
+    text = """A foil of polygons, 37 texels wide, against the mean over subpixels that show the
+nearest texel each: mean absolute difference over mean radiance, mean radiance over the mean's, and
+the deviation of a pixel while the camera moves by less than one, over the mean's.
+"""
+    return ["## Foils from afar\n", text, _table(header, rows)]
 
 
 def _scene(result: SceneResult) -> str:

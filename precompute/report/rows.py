@@ -140,6 +140,25 @@ class Acquisition(_Entry):
     noise_db: Finite
 
 
+class MinifiedFoil(_Entry):
+    """A foil of which a pixel covers many texels, against the mean over many subpixels.
+
+    Attributes:
+        texels: Of the map to a pixel, along each axis.
+        shown: What a pixel shows.
+        mean_error: Mean absolute difference of radiance over the mean radiance.
+        brightness: Mean radiance over that of the subpixels.
+        flicker: Deviation of a pixel while the camera moves by less than one, over that of the
+            mean of the subpixels.
+    """
+
+    texels: Ratio
+    shown: str
+    mean_error: Share
+    brightness: Ratio
+    flicker: Share
+
+
 class BakeCost(_Entry):
     """`diffraction bake` of one series of a square height field.
 
@@ -177,6 +196,7 @@ class Report(_Entry):
     stability: list[Stability] = []
     left_out: list[LeftOut] = []
     acquisition: list[Acquisition] = []
+    minified: list[MinifiedFoil] = []
     bake_cost: list[BakeCost] = []
 
     def furnaces(self) -> list[Stability]:

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from precompute.renderings import Rendering, reference_xyz
-from precompute.report import browser, left_out
+from precompute.report import browser, left_out, minification
 from precompute.report.bake_cost import SIZES, bake_cost
 from precompute.report.comparison import compare
 from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
@@ -23,7 +23,7 @@ from precompute.report.measured_errors import measured_errors
 from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, index_page
 from precompute.report.pictures import draw_bake_cost, draw_comparison, draw_pareto
-from precompute.report.rows import BakeCost, LeftOut, Report, Stability
+from precompute.report.rows import BakeCost, LeftOut, MinifiedFoil, Report, Stability
 from precompute.report.scenes import METHOD_OPTIONS, Scene, read_scenes
 from precompute.report.shader_cost import StaticCost, missing_packages, static_cost
 from precompute.report.stability import CASES, GRAZING, grazing_stability, series_stability
@@ -66,6 +66,7 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
         stability = _stability(furnaces, progress)
         times = _time(scenes, work, progress)
         saved = [] if lacking else _left_out(scenes, work, progress)
+        minified = _minified(scenes, work, progress)
         costs = _bake(progress) if is_whole(scenes) else []
     results = {s.name: SceneResult(s, methods[s.name], times[s.name]) for s in scenes}
     report = Report(
@@ -74,6 +75,7 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
         rows=[row for result in results.values() for row in result.rows()],
         stability=stability,
         left_out=saved,
+        minified=minified,
         bake_cost=costs,
     )
     _write(report, results, output, lacking)
@@ -193,6 +195,23 @@ def _left_out(scenes: list[Scene], work: Path, progress: Progress) -> list[LeftO
         )
         for scene in chosen
         for index, (part, entry) in enumerate(parts[scene.name])
+    ]
+
+
+def _minified(scenes: list[Scene], work: Path, progress: Progress) -> list[MinifiedFoil]:
+    foils = [scene for scene in scenes if scene.name == minification.SCENE]
+    if not foils:
+        return []
+    description = foils[0].drawn_by(foils[0].methods[0])
+    description["surface"].pop("filtered", None)
+    drawn = dict(minification.pictures(description, minification.DISTANCES))
+    with _stage(progress, "Foils from afar", len(drawn)) as advance:
+        for _ in browser.render(drawn, work):
+            advance()
+    return [
+        minification.minified(work, distance, shown)
+        for distance in minification.DISTANCES
+        for shown in minification.SHOWN
     ]
 
 

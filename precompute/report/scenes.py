@@ -31,12 +31,14 @@ class Knobs(BaseModel):
     Attributes:
         wavelength_step: Step of the loop over wavelengths, µm.
         environment_nodes: Spectral nodes of an environment.
+        planar: Whether a flat mesh may read a table of the environment's light.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     wavelength_step: Annotated[float, Field(gt=0)] | None = None
     environment_nodes: Annotated[int, Field(ge=1)] | None = None
+    planar: bool | None = None
 
     def stated(self) -> dict[str, int | float]:
         """The knobs that are set, by name."""
@@ -62,7 +64,10 @@ class Method(BaseModel):
     def label(self) -> str:
         """Name and knobs, for people."""
         unit = {"wavelength_step": " µm", "environment_nodes": " nodes"}
-        knobs = [f"{value:g}{unit[name]}" for name, value in self.knobs.stated().items()]
+        stated = self.knobs.stated()
+        knobs = [f"{value:g}{unit[name]}" for name, value in stated.items() if name in unit]
+        if self.knobs.planar is not None:
+            knobs.append("planar table" if self.knobs.planar else "no planar table")
         return ", ".join([self.method, *knobs])
 
     def material(self, surface: SurfaceName) -> dict[str, Any]:
@@ -76,6 +81,8 @@ class Method(BaseModel):
             options["wavelengthStep"] = self.knobs.wavelength_step
         if self.knobs.environment_nodes is not None:
             options["environmentNodes"] = self.knobs.environment_nodes
+        if self.knobs.planar is not None:
+            options["planarEnvironment"] = self.knobs.planar
         return options
 
 

@@ -6,6 +6,7 @@ uniform vec2 uFoilRepeat;      // tiles along u and v
 
 #ifdef DIFFRACTION
 #include "grating.glsl"
+#include "planar-environment.glsl"
 #endif // DIFFRACTION
 
 #if defined(DIFFRACTION) && defined(FOIL_GRATINGS)
@@ -18,13 +19,14 @@ uniform vec3 uFoilGratings[FOIL_GRATINGS];  // cos θ, sin θ, frequency in 1/µ
 #define SMALLEST_SHARE 0.001
 
 // A texture unit weighs texels by a tent wider than what it is asked for. A pixel that covers more than a texel is read by
-// a grid of taps, so many along each side, each asking for this share of its cell, whose sum comes close to a box. Twice
-// as many taps halve the error where a pixel is 16 texels wide or more.
-#define FOIL_TAPS 4
+// a grid of taps along its sides, each asking for this share of its cell, whose sum comes close to a box. The wider the
+// pixel, the more taps it takes for the same error: 4 along each side of 4 texels, 8 of 64 and more.
 #define FOIL_TAP_WIDTH 0.7
+#define FOIL_MOST_TAPS 8.0
 
 struct FoilFootprint {
-	int taps;      // along each side of the pixel
+	float taps;    // along each side of the pixel
+	float level;   // mip level of a tap
 	vec2 uv;       // of its middle, in tiles
 	vec2 alongX;   // change of uv over the pixel
 	vec2 alongY;
@@ -34,18 +36,23 @@ FoilFootprint foilFootprint;
 
 // The mesh's frame, from which each grating's own follows, and the share of the pixel that diffracts.
 SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
-	foilFootprint = FoilFootprint(FOIL_TAPS, uv * uFoilRepeat, dFdx(uv) * uFoilRepeat, dFdy(uv) * uFoilRepeat, 0u);
+	foilFootprint = FoilFootprint(1.0, 0.0, uv * uFoilRepeat, dFdx(uv) * uFoilRepeat, dFdy(uv) * uFoilRepeat, 0u);
 	vec2 texels = vec2(textureSize(uFoilShares, 0));
 	vec2 x = foilFootprint.alongX * texels, y = foilFootprint.alongY * texels;
-	if (max(dot(x, x), dot(y, y)) <= 1.0) {
+	float width2 = max(dot(x, x), dot(y, y));
+	if (width2 <= 1.0) {
 		// A texel is as wide as a pixel: there is nothing to average. Its middle has no share of its neighbours.
 		vec2 middle = (floor(foilFootprint.uv * texels) + 0.5) / texels;
-		foilFootprint = FoilFootprint(1, middle, vec2(0.0), vec2(0.0), 0u);
+		foilFootprint = FoilFootprint(1.0, 0.0, middle, vec2(0.0), vec2(0.0), 0u);
+	} else {
+		float width = sqrt(width2);
+		foilFootprint.taps = min(ceil(2.0 + log2(width)), FOIL_MOST_TAPS);
+		foilFootprint.level = max(log2(FOIL_TAP_WIDTH * width / foilFootprint.taps), 0.0);
 	}
 	float strength = 0.0;
+	float wholeLevel = max(0.5 * log2(width2), 0.0);
 	for (int layer = 0; 4 * layer < FOIL_GRATINGS; layer++) {
-		vec3 at = vec3(foilFootprint.uv, layer);
-		vec4 shares = textureGrad(uFoilShares, at, foilFootprint.alongX, foilFootprint.alongY);
+		vec4 shares = textureLod(uFoilShares, vec3(foilFootprint.uv, layer), wholeLevel);
 		strength += shares.x + shares.y + shares.z + shares.w;
 		uvec4 bits = uvec4(greaterThan(shares, vec4(SMALLEST_SHARE))) * uvec4(1u, 2u, 4u, 8u);
 		foilFootprint.present |= (bits.x + bits.y + bits.z + bits.w) << (4 * layer);
@@ -53,18 +60,18 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 	return SurfacePoint(tangent, bitangent, normal, 0.0, min(strength, 1.0));
 }
 
-// Share of a grating in the pixel, the mean over a grid of taps.
-float foilShare(int number) {
-	float taps = float(foilFootprint.taps);
+// Shares of a layer's four gratings in the pixel, the mean over a grid of taps.
+vec4 foilShares(int layer) {
+	float taps = foilFootprint.taps;
 	vec2 cellX = foilFootprint.alongX / taps, cellY = foilFootprint.alongY / taps;
-	float share = 0.0;
-	for (int i = 0; i < foilFootprint.taps; i++)
-		for (int j = 0; j < foilFootprint.taps; j++) {
+	vec4 shares = vec4(0.0);
+	for (float i = 0.0; i < taps; i++)
+		for (float j = 0.0; j < taps; j++) {
 			vec2 at = vec2(i, j) - 0.5 * (taps - 1.0);
-			vec3 place = vec3(foilFootprint.uv + at.x * cellX + at.y * cellY, number / 4);
-			share += textureGrad(uFoilShares, place, FOIL_TAP_WIDTH * cellX, FOIL_TAP_WIDTH * cellY)[number % 4];
+			vec3 place = vec3(foilFootprint.uv + at.x * cellX + at.y * cellY, layer);
+			shares += textureLod(uFoilShares, place, foilFootprint.level);
 		}
-	return share / (taps * taps);
+	return shares / (taps * taps);
 }
 
 // Number of the lowest bit that is set. A power of two is exact as a float, its exponent is the bit's number.
@@ -72,13 +79,13 @@ int lowestBit(uint bits) {
 	return (floatBitsToInt(float(bits & (~bits + 1u))) >> 23) - 127;
 }
 
-// A grating of the foil in the mesh's frame; strength: its share of what diffracts in the pixel.
-SurfacePoint foilGrating(SurfacePoint p, int number) {
+// A grating of the foil in the mesh's frame. strength: its share of what diffracts in the pixel.
+SurfacePoint foilGrating(SurfacePoint p, int number, float strength) {
 	vec3 grating = uFoilGratings[number];
 	return SurfacePoint(
 		grating.x * p.tangent + grating.y * p.bitangent,
 		grating.x * p.bitangent - grating.y * p.tangent,
-		p.normal, grating.z, foilShare(number) / p.strength
+		p.normal, grating.z, strength
 	);
 }
 
@@ -97,8 +104,15 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 		float v = uFoilGratings[k].x * uv.y - uFoilGratings[k].y * uv.x;
 		if (v * v <= reach2) lit |= 1u << k;
 	}
+	int layer = -1;
+	vec4 shares;
 	for (lit &= foilFootprint.present; lit != 0u; lit &= lit - 1u) {
-		SurfacePoint grating = foilGrating(p, lowestBit(lit));
+		int number = lowestBit(lit);
+		if (number / 4 != layer) {
+			layer = number / 4;
+			shares = foilShares(layer) / p.strength;
+		}
+		SurfacePoint grating = foilGrating(p, number, shares[number % 4]);
 		xyz += grating.strength * gratingRadianceFromLight(grating, wi, wo, light);
 	}
 	return xyz;
@@ -108,9 +122,21 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 // Radiance (XYZ) towards wo from the environment, the mean over the pixel's gratings. wo: unit, view space.
 vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	vec3 xyz = vec3(0.0);
+	int layer = -1;
+	vec4 shares;
 	for (uint left = foilFootprint.present; left != 0u; left &= left - 1u) {
-		SurfacePoint grating = foilGrating(p, lowestBit(left));
-		xyz += grating.strength * gratingRadianceFromEnvironment(grating, wo);
+		int number = lowestBit(left);
+		if (number / 4 != layer) {
+			layer = number / 4;
+			shares = foilShares(layer) / p.strength;
+		}
+		SurfacePoint grating = foilGrating(p, number, shares[number % 4]);
+		#ifdef PLANAR_TEXELS
+		vec3 radiance = planarRadiance(grating, wo, number);
+		#else
+		vec3 radiance = gratingRadianceFromEnvironment(grating, wo);
+		#endif // PLANAR_TEXELS
+		xyz += grating.strength * radiance;
 	}
 	return xyz;
 }

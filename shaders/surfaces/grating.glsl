@@ -28,6 +28,7 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 
 #ifdef DIFFRACTION
 #include "grating.glsl"
+#include "planar-environment.glsl"
 
 // Radiance (XYZ) towards wo from one light. wi, wo: unit, view space.
 vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum light) {
@@ -37,7 +38,11 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 #ifdef ENVIRONMENT
 // Radiance (XYZ) towards wo from the environment. wo: unit, view space.
 vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
+	#ifdef PLANAR_TEXELS
+	return planarRadiance(p, wo, 0);
+	#else
 	return gratingRadianceFromEnvironment(p, wo);
+	#endif // PLANAR_TEXELS
 }
 #endif // ENVIRONMENT
 #endif // DIFFRACTION

@@ -144,7 +144,7 @@ describe('setters', () => {
 
   it('change uniforms without a new program', async () => {
     const surface = new Grating({ period: 1.6, height: 0.1 })
-    const material = makeMaterial({ surface, coat: 0.5 })
+    const material = makeMaterial({ surface, coat: 0.5, roughness: 0.02 })
     await material.ready
     const { version } = material
     material.coherence = 10

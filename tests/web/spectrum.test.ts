@@ -179,7 +179,10 @@ describe('nodes along an arc', () => {
       Math.abs(wavelength - nodes[j]!.wavelength) ** 1.5
     for (const j of [1, 5, 11]) {
       const radiance = (wavelength: number): number => grows(j)(wavelength) - grows(0)(wavelength)
-      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(1e-9)
+      // What is left is of the weights that would be below zero; of any one node left out it is ten times as much.
+      expect(distance(sumOver(nodes, radiance), integral(radiance))).toBeLessThan(2e-4)
+      const fewer = nodes.filter((_, i) => i !== 6)
+      expect(distance(sumOver(fewer, radiance), integral(radiance))).toBeGreaterThan(2e-3)
     }
   })
 
@@ -196,24 +199,25 @@ describe('nodes along an arc', () => {
     }
   })
 
-  it.each([2, 4, 16])('of %s frames err in the mean as that many times the nodes', (frames) => {
+  it.each([2, 4, 8])('of %s frames err less in the mean than in each', (frames) => {
     const mean = arcNodes(lobes, 12, metal, frames).map((node) => ({
       ...node,
       tints: node.tints.map((tint) => tint / frames),
     }))
-    const dense = arcNodes(lobes, 12 * frames, metal)
     const single = arcNodes(lobes, 12, metal)
-    let [shared, whole, alone] = [0, 0, 0]
+    let [shared, alone] = [0, 0]
     for (const period of [0.05, 0.06, 0.07, 0.09, 0.12, 0.2]) {
       const stripes = (wavelength: number): number => Math.sin((2 * Math.PI * wavelength) / period)
       const exact = integral(stripes)
       shared += distance(sumOver(mean, stripes), exact)
-      whole += distance(sumOver(dense, stripes), exact)
       alone += distance(sumOver(single, stripes), exact)
     }
-    // Sixteen pay a little for being exact each for itself.
-    if (frames < 16) expect(shared).toBeLessThan(1.1 * whole)
-    expect(shared).toBeLessThan(alone / (2 * frames))
+    expect(shared).toBeLessThan(alone / frames)
+  })
+
+  it.each(counts)('%s of them make no light dark', (count) => {
+    for (const { tints } of arcNodes(lobes, count, metal))
+      expect(Math.min(...tints)).toBeGreaterThanOrEqual(0)
   })
 
   it('follow stripes of light more closely than as many uniform ones', () => {

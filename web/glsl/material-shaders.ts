@@ -5,13 +5,23 @@ import gamut from '../../shaders/gamut.glsl?raw'
 import lights from '../../shaders/lights.glsl?raw'
 import fragment from '../../shaders/material.frag.glsl?raw'
 import vertex from '../../shaders/material.vert.glsl?raw'
+import planarBlur from '../../shaders/planar-blur.frag.glsl?raw'
+import planarEnvironment from '../../shaders/planar-environment.frag.glsl?raw'
 import surfacePoint from '../../shaders/surface-point.glsl?raw'
 import tangentFrame from '../../shaders/tangent-frame.glsl?raw'
 import type { Surface } from '../surfaces/surface'
 import { resolveIncludes } from './include'
+import { opticsShaders } from './optics-shaders'
 
 /** The vertex stage, the same for every surface. */
 export const vertexShader = vertex
+
+/** The fragment stages that fill the table of shaders/planar-environment.glsl, the same for all gratings. */
+export const planarBlurShader = resolveIncludes(planarBlur, {
+  ...opticsShaders,
+  'environment.glsl': environment,
+})
+export const planarEnvironmentShader = resolveIncludes(planarEnvironment, opticsShaders)
 
 /** A fragment stage with a surface's GLSL in the place of `surface.glsl`; the material's own by default. */
 export function fragmentShader(surface: Surface, source: string = fragment): string {

@@ -8,6 +8,8 @@ import heightField from '../../shaders/height-field.glsl?raw'
 import kirchhoff from '../../shaders/kirchhoff.glsl?raw'
 import lineSpectrum from '../../shaders/line-spectrum.glsl?raw'
 import lobe from '../../shaders/lobe.glsl?raw'
+import planarDirections from '../../shaders/planar-directions.glsl?raw'
+import planarEnvironment from '../../shaders/planar-environment.glsl?raw'
 import propagation from '../../shaders/propagation.glsl?raw'
 import spectrum from '../../shaders/spectrum.glsl?raw'
 import surfacePoint from '../../shaders/surface-point.glsl?raw'
@@ -24,6 +26,8 @@ export const opticsShaders: Record<string, string> = {
   'kirchhoff.glsl': kirchhoff,
   'line-spectrum.glsl': lineSpectrum,
   'lobe.glsl': lobe,
+  'planar-directions.glsl': planarDirections,
+  'planar-environment.glsl': planarEnvironment,
   'propagation.glsl': propagation,
   'spectrum.glsl': spectrum,
   'surface-point.glsl': surfacePoint,

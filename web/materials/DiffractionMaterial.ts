@@ -21,6 +21,7 @@ import {
   type WebGLRenderer,
 } from 'three'
 import type { DiffractionError } from '../errors'
+import { floatLiteral } from '../glsl/float-literal'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders'
 import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame'
 import type {
@@ -49,6 +50,8 @@ import {
   type DiffractionMaterialOptions,
   type Gamut,
 } from './options'
+import { PlanarEnvironment } from './planar-environment'
+import { PLANAR_TEXELS } from './planar-table'
 import { sceneLights } from './scene-lights'
 
 const OWNER = 'DiffractionMaterial'
@@ -76,6 +79,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   /** Normals from the triangles; as in three's materials, a change needs `needsUpdate`. */
   flatShading = false
   readonly envMapRotation = new Euler()
+  /** Whether a flat mesh under an environment may read a table in place of the nodes. */
+  planarEnvironment = true
   onError: (error: DiffractionError) => void = (error) => {
     console.error(error)
   }
@@ -95,6 +100,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   /** Makes what an environment needs of the optics; null once it is there. */
   #environmentUniforms: Optics['environmentUniforms'] | null = null
   #environmentRefinement: EnvironmentRefinement | null = null
+  /** Whether the last frame drawn was one of a refinement. */
+  #isRefined = false
   /** How many frames of a refinement the uniforms serve; 0: of none. */
   #refinementFrames = 0
   #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
@@ -102,6 +109,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   #lightOptics: LightOptics = { defines: {}, features: [] }
   #largestRadius = -1
   #environmentRepaired = 0
+  readonly #planar = new PlanarEnvironment()
+  #opticsVersion = 0
   #surface: Surface
   #surfaceVersion = -1
   #mapsPath: string
@@ -367,6 +376,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       ],
       environmentFeatures: this.#environmentFeatures,
       environmentRepaired: this.#environmentRepaired,
+      planarWhy: this.#planar.why,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
       opticsError: this.#optics.error,
@@ -391,11 +401,13 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#followLights(renderer, scene, camera)
     this.#followEnvironment(scene)
     this.#followTextures()
+    this.#followPlane(renderer, camera, geometry, object)
     this.#setNumber('uOpacity', this.opacity)
   }
 
   override dispose(): void {
     super.dispose()
+    this.#planar.dispose()
     for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
   }
 
@@ -434,6 +446,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       envMap: this.#envMap,
       envMapIntensity: this.envMapIntensity,
       envMapRotation: this.envMapRotation,
+      planarEnvironment: this.planarEnvironment,
       gamut: this.#gamut,
       onError: this.onError,
     }
@@ -451,6 +464,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       uEnvironmentRotation: { value: new Matrix3() },
       uEnvironmentIntensity: { value: 1 },
       uEnvironmentTexel: { value: 1 },
+      uPlanarEnvironment: { value: null },
       map: { value: null },
       mapTransform: { value: new Matrix3() },
       normalMap: { value: null },
@@ -541,6 +555,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   #apply(optics: Optics): void {
+    this.#opticsVersion++
     const { defines, uniforms, environmentUniforms, underLights } = optics
     this.#opticsFeatures = optics.features
     this.#environmentFeatures = optics.environmentFeatures
@@ -626,6 +641,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   #followRefinement(frame: RefinementFrame | null): void {
+    this.#isRefined = frame !== null
     const refinement = this.#environmentRefinement
     if (refinement === null) return
     if (frame !== null && frame.count !== this.#refinementFrames) {
@@ -633,6 +649,42 @@ export class DiffractionMaterial extends ShaderMaterial {
       this.#takeUniforms(refinement.uniforms(frame.count))
     }
     this.#setNumber('uEnvironmentStart', frame === null ? 0 : refinement.start(frame))
+  }
+
+  /** After all that the table depends on. */
+  #followPlane(
+    renderer: WebGLRenderer,
+    camera: Camera,
+    geometry: BufferGeometry,
+    object: Object3D,
+  ): void {
+    const { defines, uniforms } = this
+    const hasEnvironment = 'ENVIRONMENT_EQUIRECT' in defines || 'ENVIRONMENT_CUBE' in defines
+    const isIn =
+      'DIFFRACTION' in defines &&
+      this.#planar.follow({
+        renderer,
+        camera,
+        object,
+        geometry,
+        side: this.side,
+        gratings: this.#surface.planarGratings,
+        obstacle: this.#planarObstacle(),
+        environment: hasEnvironment ? (uniforms.uEnvironmentMap!.value as Texture) : null,
+        rotation: uniforms.uEnvironmentRotation!.value as Matrix3,
+        optics: { defines, uniforms },
+        opticsVersion: this.#opticsVersion,
+      })
+    uniforms.uPlanarEnvironment!.value = this.#planar.texture
+    this.#setDefine('PLANAR_TEXELS', isIn && floatLiteral(PLANAR_TEXELS))
+  }
+
+  #planarObstacle(): string | null {
+    if (!this.planarEnvironment) return 'planarEnvironment is false'
+    if (this.#isRefined) return 'a refinement goes further than a table'
+    if (this.method !== 'closed-form') return `method is '${this.method}'`
+    if (this.#normalMap !== null || this.#bumpMap !== null) return 'a map bends the normals'
+    return this.flatShading ? 'flatShading takes normals from the triangles' : null
   }
 
   #followTextures(): void {

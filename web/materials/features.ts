@@ -10,6 +10,8 @@ interface MaterialState {
   environmentFeatures: readonly Feature[]
   /** Channels of the environment that held what light cannot be. */
   environmentRepaired: number
+  /** Why a flat mesh's table is in or out. */
+  planarWhy: string
   diffraction: boolean
   opticsState: 'loading' | 'ready' | 'failed'
   opticsError: DiffractionError | null
@@ -72,6 +74,12 @@ export function describeFeatures(state: MaterialState): Feature[] {
       state.environmentRepaired > 0,
       `${state.environmentRepaired} channels were negative, infinite or no number`,
       'all its texels are light',
+    ),
+    choose(
+      'table of the environment for a flat surface',
+      isIn('PLANAR_TEXELS'),
+      state.planarWhy,
+      state.planarWhy,
     ),
     choose('gamut mapping', state.gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
     ...Object.entries(state.textures).map(([name, texture]) =>

@@ -47,6 +47,11 @@ export interface DiffractionMaterialOptions extends MaterialParameters, Partial<
   envMap?: Texture | null
   envMapIntensity?: number
   envMapRotation?: Euler
+  /**
+   * Whether a flat mesh under an environment may read a table in place of the nodes, true by default: where it is flat,
+   * rough enough and at rest.
+   */
+  planarEnvironment?: boolean
   /** 'map' (default) moves colours into the display's gamut; 'signed' leaves sums as they are, to be read back. */
   gamut?: Gamut
   /** Told of tables that could not be loaded; prints to the console by default. */

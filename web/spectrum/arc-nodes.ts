@@ -34,8 +34,8 @@ interface Cell {
  * times the square of its width.
  *
  * @param lobes - a map of kind 'lobes'
- * Over several frames, each with nodes of its own in between those of the others, the mean of the frames is the estimate
- * that errs least, and each frame alone is exact where L is the same everywhere.
+ * Over several frames, each with nodes of its own in between those of the others, the mean of the frames is nearly
+ * the estimate of all nodes together, and each frame alone is exact where L is the same everywhere.
  *
  * @param count - number of nodes of a frame, 1 or more
  * @param reflectance - R(λ) of the metal, λ in µm; the nodes' tints come with it
@@ -108,13 +108,7 @@ function estimatorWeights(
 ): number[][] {
   const variogram = (a: number, b: number): number => Math.abs(a - b) ** VARIOGRAM
   const total = Array.from({ length: COLUMNS }, (_, c) => sum(cells.map(({ tints }) => tints[c]!)))
-  const isOfFrame = Array.from({ length: frames }, (_, frame) =>
-    wavelengths.map((_, i) => (i % frames === frame ? 1 : 0)),
-  )
-  const system = wavelengths.map((a, i) => [
-    ...wavelengths.map((b) => variogram(a, b)),
-    ...isOfFrame.map((row) => row[i]!),
-  ])
+  const system = wavelengths.map((a) => [...wavelengths.map((b) => variogram(a, b)), 1])
   const right = wavelengths.map((a) => {
     const mean = total.map(() => 0)
     for (const { wavelength, tints } of cells) {
@@ -123,12 +117,24 @@ function estimatorWeights(
     }
     return mean
   })
-  // The last rows: each frame sums a radiance that is the same everywhere exactly.
-  for (const row of isOfFrame) {
-    system.push([...row, ...isOfFrame.map(() => 0)])
-    right.push(total.map((value) => value / frames))
-  }
-  return solveLinear(system, right).slice(0, wavelengths.length)
+  // The last row: a radiance that is the same everywhere is summed exactly.
+  system.push([...wavelengths.map(() => 1), 0])
+  right.push(total)
+  return shared(solveLinear(system, right).slice(0, -1), total, frames)
+}
+
+/**
+ * Weights of which each frame's add up to an equal share of the total: some percent more or less in each. The dim ends of the
+ * spectrum have some slightly below zero, at most 2 % of a sum; a lamp seen at one of these wavelengths alone would shine
+ * darkness: they are zero, and the others as much less.
+ */
+function shared(weights: number[][], total: readonly number[], frames: number): number[][] {
+  const kept = weights.map((tints) => tints.map((tint) => Math.max(tint, 0)))
+  const factors = Array.from({ length: frames }, (_, frame) => {
+    const own = kept.filter((_, i) => i % frames === frame)
+    return total.map((amount, c) => amount / frames / sum(own.map((tints) => tints[c]!)))
+  })
+  return kept.map((tints, i) => tints.map((tint, c) => tint * factors[i % frames]![c]!))
 }
 
 /** The sum over cells up to a wavelength, each cell's amount spread evenly over it. */

@@ -1,4 +1,4 @@
-import { Vector2, Vector4 } from 'three'
+import { Vector2, Vector4, type Vector3 } from 'three'
 import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
 import { DiffractionError } from '../errors'
 import { loadSharedMap } from '../maps/cache'
@@ -112,6 +112,10 @@ export class Foil extends GratingSurface {
         expected: 'two finite numbers other than 0',
       })
     this.uniforms.uFoilRepeat.value.copy(value)
+  }
+
+  get planarGratings(): readonly Vector3[] | null {
+    return this.#shares?.gratings ?? null
   }
 
   /** Shortest and longest period on the foil, µm. */

@@ -1,4 +1,4 @@
-import type { IUniform } from 'three'
+import type { IUniform, Vector3 } from 'three'
 import { DiffractionError } from '../errors'
 import { opticsShaders } from '../glsl/optics-shaders'
 import { constantOf, expectKinds, type LoadedMap } from '../maps/load'
@@ -18,6 +18,7 @@ export abstract class GratingSurface implements Surface {
   abstract measuredAs(settings: OpticsSettings): string
   /** Why the map of a foil is, or is not, read for its gratings' orientation and period. */
   protected abstract readonly mapRead: { included: boolean; why: string }
+  abstract readonly planarGratings: readonly Vector3[] | null
   /** Shortest and longest period on the surface, µm. */
   protected abstract readonly periodRange: readonly [number, number]
 

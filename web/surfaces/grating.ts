@@ -1,4 +1,4 @@
-import { Vector2 } from 'three'
+import { Vector2, Vector3 } from 'three'
 import gratingGlsl from '../../shaders/surfaces/grating.glsl?raw'
 import { oneOf, positive, within } from '../validation'
 import { GratingSurface } from './grating-surface'
@@ -33,6 +33,7 @@ export class Grating extends GratingSurface {
   #period = 1
   #orientation = 0
   #tracks: Tracks = 'straight'
+  readonly #planar = [new Vector3()]
 
   constructor(options: GratingOptions) {
     super('Grating', options.height, options.profile ?? 'sinusoidal')
@@ -91,6 +92,13 @@ export class Grating extends GratingSurface {
 
   get isPartial(): boolean {
     return this.strength < 1
+  }
+
+  get planarGratings(): readonly Vector3[] | null {
+    if (this.#tracks !== 'straight') return null
+    const { uGratingDirection, uGratingFrequency } = this.uniforms
+    this.#planar[0]!.set(...uGratingDirection.value.toArray(), uGratingFrequency.value)
+    return this.#planar
   }
 
   protected readonly mapRead = { included: false, why: 'they are the same everywhere' }

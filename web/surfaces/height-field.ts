@@ -37,6 +37,7 @@ export class HeightField implements Surface {
   readonly name = 'HeightField'
   readonly glsl = heightFieldGlsl
   readonly glslFiles = opticsShaders
+  readonly planarGratings = null
   readonly methods: readonly Method[]
   readonly energies = ['kirchhoff', 'relative'] as const
   readonly uniforms = {

@@ -1,4 +1,4 @@
-import type { IUniform } from 'three'
+import type { IUniform, Vector3 } from 'three'
 import type { LoadedMap } from '../maps/load'
 import type { RefinementFrame } from '../refinement/refinement-frame'
 
@@ -109,6 +109,11 @@ export interface Surface {
   measuredAs(settings: OpticsSettings): string
   /** Whether the strength is below one anywhere, so that the matt base shows through. */
   readonly isPartial: boolean
+  /**
+   * cos θ, sin θ and frequency (1/µm) of the gratings that all of the surface is made of, in the order of the layers that
+   * its GLSL reads where PLANAR_TEXELS is defined; null where they turn from place to place, or are no gratings.
+   */
+  readonly planarGratings: readonly Vector3[] | null
   /** Counts the changes that reach beyond `uniforms`: materials compare it before they render. */
   readonly version: number
   /** The addresses of the tables that the optics need, by a name of the surface's own. */

@@ -6,6 +6,7 @@ import {
   DoubleSide,
   Euler,
   FrontSide,
+  LatheGeometry,
   MathUtils,
   Mesh,
   PerspectiveCamera,
@@ -14,6 +15,7 @@ import {
   RingGeometry,
   Scene,
   SphereGeometry,
+  SplineCurve,
   SpotLight,
   Vector2,
   Vector3,
@@ -132,6 +134,10 @@ function shapeOf(description: MeshDescription): BufferGeometry {
       return description.inner > 0
         ? new RingGeometry(description.inner, description.outer, 256)
         : new CircleGeometry(description.outer, 256)
+    case 'lathe': {
+      const outline = new SplineCurve(description.outline.map((point) => new Vector2(...point)))
+      return new LatheGeometry(outline.getPoints(128), 256)
+    }
   }
 }
 

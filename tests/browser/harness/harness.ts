@@ -1,6 +1,7 @@
 import { WebGLRenderer } from 'three'
 import { countCompilations } from './recompilation'
 import { reportRefinement } from './refinement'
+import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
 import {
@@ -31,6 +32,8 @@ export interface Harness {
   countCompilations: typeof countCompilations
   /** What refining a scene at rest does. */
   reportRefinement: typeof reportRefinement
+  /** Draws frames of one scene, one for each step. */
+  drawPlanarFrames: (scene: SceneDescription, steps: PlanarStep[]) => Promise<PlanarFrame[]>
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -71,6 +74,7 @@ window.harness = {
   },
   timeMaterials: (request) => timeMaterials(renderer, request),
   drawSets: (program, sets) => drawSets(renderer, program, sets),
+  drawPlanarFrames: (scene, steps) => drawPlanarFrames(renderer, scene, steps),
   drawVariants,
   countCompilations,
   reportRefinement,

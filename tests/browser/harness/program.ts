@@ -27,12 +27,15 @@ export function tablesOf(renderer: WebGLRenderer, material: ShaderMaterial): Tab
     // WebGL drops uniforms that no statement of the program reads.
     if (uniform === 'uEnvironmentMap' || gl.getUniformLocation(program, uniform) === null) continue
     if (!(value instanceof Texture)) continue
-    const { width, height, data } = value.image as {
+    const image = value.image as {
       width: number
       height: number
-      data: ArrayBufferView
+      depth?: number
+      data: ArrayBufferView | null
     }
-    tables.push({ uniform, width, height, bytes: data.byteLength })
+    const { width, height, depth = 1, data } = image
+    // What was drawn has no data on this side: four half floats a texel.
+    tables.push({ uniform, width, height, bytes: data?.byteLength ?? 8 * width * height * depth })
   }
   return tables
 }

@@ -37,6 +37,8 @@ export type MeshDescription = (
   | { kind: 'plane'; size: [number, number] }
   | { kind: 'sphere'; radius: number }
   | { kind: 'disc'; inner: number; outer: number }
+  /** Radius and height along a curve through these points, from the lowest. */
+  | { kind: 'lathe'; outline: [number, number][] }
 ) & {
   position?: Triple
   rotation_deg?: Triple
