@@ -159,7 +159,7 @@ def test_a_picture_at_rest_goes_to_the_reference(
     refined: dict[str, list[float]], name: str
 ) -> None:
     one, four, sixteen = refined[name]
-    # Four times the nodes have 1/16 of an error that falls as n⁻²; what is left is of the frames' own white.
+    # Four times the nodes have 1/16 of an error that falls as n⁻²; the frames' own white is left.
     assert four <= one / 8
     assert sixteen <= min(one / 10, 0.0005)
 
