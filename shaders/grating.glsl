@@ -7,6 +7,7 @@
 uniform highp sampler2D uLightNodes;
 #ifdef ENVIRONMENT
 uniform highp sampler2D uEnvironmentNodes;
+uniform int uEnvironmentStart;  // column of the first node
 #endif // ENVIRONMENT
 
 // Standard deviation of a node's band, a box, over its width.
@@ -146,7 +147,7 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
-		SpectralNode node = spectralNode(uEnvironmentNodes, j);
+		SpectralNode node = spectralNode(uEnvironmentNodes, uEnvironmentStart + j);
 		float s = 1.0 / node.wavelength;
 		float shift = p.frequency * node.wavelength;
 		ivec2 orders = ordersWithin(o, shift, 1.0);
@@ -190,7 +191,7 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	float tilt2 = tilt * tilt;
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
-		SpectralNode node = spectralNode(uEnvironmentNodes, j);
+		SpectralNode node = spectralNode(uEnvironmentNodes, uEnvironmentStart + j);
 		float s = 1.0 / node.wavelength;
 		float shift = p.frequency * node.wavelength;
 		ivec2 orders = ordersWithin(o, shift, 1.0);

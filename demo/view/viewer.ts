@@ -7,14 +7,11 @@ import {
   WebGLRenderer,
 } from 'three'
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js'
-import { Accumulator } from './accumulator'
+import { ProgressiveRefinement } from '../../web'
 import { MovingResolution } from './moving-resolution'
 
 /** How long after the last change the picture is drawn in full resolution, ms. */
 const REST_DELAY = 160
-/** A picture at rest is the mean of so many frames, or of as many as fit in this time, ms. */
-const REST_FRAMES = 16
-const REST_TIME = 1500
 
 /** Vertical, °, in windows that are wide enough. */
 const FIELD_OF_VIEW = 30
@@ -35,7 +32,7 @@ export class Viewer {
     console.error(error)
   }
 
-  readonly #accumulator: Accumulator
+  readonly #refinement: ProgressiveRefinement
   readonly #moving = new MovingResolution()
   #fittedAspect = 1
   #isRequested = false
@@ -43,7 +40,6 @@ export class Viewer {
   #isMeanAtRest = false
   #lastFrame = 0
   #lastChange = 0
-  #restStart = 0
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -66,7 +62,7 @@ export class Viewer {
     canvas.addEventListener('webglcontextrestored', () => {
       this.invalidate()
     })
-    this.#accumulator = new Accumulator(this.renderer)
+    this.#refinement = new ProgressiveRefinement(this.renderer)
     this.orbit = new OrbitControls(this.camera, canvas)
     this.orbit.enablePan = false
     this.orbit.minDistance = 1.5
@@ -147,26 +143,26 @@ export class Viewer {
     }
     if (!this.#isMeanAtRest) {
       this.#isMeanAtRest = true
-      this.#restStart = now
       this.canvas.dataset['state'] = 'refining'
       this.#begin(1)
     }
-    this.#refine()
-    if (this.#accumulator.count >= REST_FRAMES || now - this.#restStart > REST_TIME) this.#settle()
-    else this.#request()
+    if (this.#refine()) this.#request()
+    else this.#settle()
   }
 
   #begin(scale: number): void {
     const { width, height } = this.canvas
-    this.#accumulator.start(
+    this.#refinement.begin(
       Math.max(Math.round(width * scale), 1),
       Math.max(Math.round(height * scale), 1),
     )
   }
 
-  #refine(): void {
-    this.#accumulator.add(this.scene, this.camera)
-    this.#accumulator.show()
+  /** Returns whether the picture needs further frames. */
+  #refine(): boolean {
+    const needsMore = this.#refinement.frame(this.scene, this.camera)
+    this.#refinement.show()
+    return needsMore
   }
 
   #settle(): void {

@@ -123,7 +123,8 @@ describe('the demo', () => {
     expect(await changed()).toBeGreaterThan(0.3)
     await press(page, 'Method', 'ArrowDown')
     expect(await page.getByLabel('Method').inputValue()).toBe('wavelength-loop')
-    expect(await changed()).toBeGreaterThan(0.3)
+    // Of the same disc: what differs is the error of one of them.
+    expect(await changed()).toBeGreaterThan(0.15)
     await press(page, 'Three-dimensional view', 'ArrowRight', 'ArrowRight')
     expect(await changed()).toBeGreaterThan(0.3)
     expect(complaints).toEqual([])

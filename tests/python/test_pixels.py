@@ -91,6 +91,16 @@ CASES: dict[str, tuple[str, tuple[int, int], dict[str, Any], float, float]] = {
 }
 
 
+# The mean of so many frames at rest of 12 nodes each.
+FRAMES = (1, 4, 16)
+REFINED: dict[str, tuple[str, dict[str, Any]]] = {
+    "studio": ("environment-studio", CLOSED),
+    "night": ("environment-night", CLOSED),
+    # The papers' nodes are the same in each frame.
+    "studio, all frames alike": ("environment-studio", LOOP | {"environmentNodes": 12}),
+}
+
+
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where everything is drawn, in one launch."""
@@ -102,6 +112,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         description = Scene.read(ROOT / "tests" / "scenes" / f"{scene}.json").description
         material = description.get("material", {}) | method
         descriptions[name] = description | {"size": size, "material": material}
+    for name, (scene, method) in REFINED.items():
+        description = Scene.read(ROOT / "tests" / "scenes" / f"{scene}.json").description
+        for frames in FRAMES:
+            # Pixels' centres stay where the reference has them.
+            descriptions[f"{name}, {frames}"] = description | {
+                "size": (16, 16),
+                "material": method,
+                "refinement": {"frames": frames, "antialias": False},
+            }
     for profile in PROFILES:
         descriptions[f"furnace {profile}"] = furnace_description(profile, CLOSED)
     drawn = tmp_path_factory.mktemp("pixels")
@@ -120,6 +139,35 @@ def test_pixels_are_the_references(folder: Path, case: str) -> None:
     assert comparison.lit > 50
     assert comparison.rel_rmse <= rmse
     assert comparison.delta_e2000_p95 <= delta_e
+
+
+@pytest.fixture(scope="session")
+def refined(folder: Path) -> dict[str, list[float]]:
+    """Relative RMSE of the means of each of FRAMES."""
+    references: dict[str, np.ndarray] = {}
+    errors: dict[str, list[float]] = {}
+    for name, (scene, _) in REFINED.items():
+        renderings = [Rendering.read(folder, f"{name}, {frames}") for frames in FRAMES]
+        if scene not in references:
+            references[scene] = reference_xyz(renderings[0], MAPS)
+        errors[name] = [compare(drawn, references[scene]).rel_rmse for drawn in renderings]
+    return errors
+
+
+@pytest.mark.parametrize("name", ["studio", "night"])
+def test_a_picture_at_rest_goes_to_the_reference(
+    refined: dict[str, list[float]], name: str
+) -> None:
+    one, four, sixteen = refined[name]
+    # Four times the nodes have 1/16 of an error that falls as n⁻²; the frames' own white is left.
+    assert four <= one / 8
+    assert sixteen <= min(one / 10, 0.0005)
+
+
+def test_frames_that_are_all_alike_gain_nothing(refined: dict[str, list[float]]) -> None:
+    one, four, sixteen = refined["studio, all frames alike"]
+    assert one > 0.005
+    assert [four, sixteen] == pytest.approx([one, one], rel=1e-3)
 
 
 def longer_period(rendering: Rendering) -> None:

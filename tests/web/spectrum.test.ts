@@ -189,6 +189,35 @@ describe('nodes along an arc', () => {
     }
   })
 
+  it('of many frames sum an even radiance exactly, each frame for itself', () => {
+    const even = (): number => 1
+    const nodes = arcNodes(lobes, 12, metal, 8)
+    expect(nodes).toHaveLength(96)
+    for (let frame = 0; frame < 8; frame++) {
+      const own = nodes.slice(12 * frame, 12 * (frame + 1))
+      expect(distance(sumOver(own, even), integral(even))).toBeLessThan(1e-9)
+      // One in each of twelve bands, in order.
+      for (let i = 1; i < 12; i++)
+        expect(own[i]!.wavelength).toBeGreaterThan(own[i - 1]!.wavelength)
+    }
+  })
+
+  it.each([2, 4, 8])('of %s frames err less in the mean than in each', (frames) => {
+    const mean = arcNodes(lobes, 12, metal, frames).map((node) => ({
+      ...node,
+      tints: node.tints.map((tint) => tint / frames),
+    }))
+    const single = arcNodes(lobes, 12, metal)
+    let [shared, alone] = [0, 0]
+    for (const period of [0.05, 0.06, 0.07, 0.09, 0.12, 0.2]) {
+      const stripes = (wavelength: number): number => Math.sin((2 * Math.PI * wavelength) / period)
+      const exact = integral(stripes)
+      shared += distance(sumOver(mean, stripes), exact)
+      alone += distance(sumOver(single, stripes), exact)
+    }
+    expect(shared).toBeLessThan(alone / frames)
+  })
+
   it.each(counts)('%s of them make no light dark', (count) => {
     for (const { tints } of arcNodes(lobes, count, metal))
       expect(Math.min(...tints)).toBeGreaterThanOrEqual(0)

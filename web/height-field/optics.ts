@@ -57,6 +57,8 @@ export function heightFieldOptics(
       ...uniforms,
       ...pattern.uniforms,
     },
+    // Samples are merged over wavelengths: there are no others in between.
+    environmentRefinement: null,
     environmentUniforms: () => ({
       uEnvironmentSamples: {
         value: environmentTexture(relief, lobes, metals, metal, environmentNodes),
@@ -75,7 +77,7 @@ export function heightFieldOptics(
       {
         feature: `at most ${lookups(environmentNodes)} lookups of the environment`,
         included: true,
-        why: `they stand for all lines at all wavelengths; environmentNodes is ${environmentNodes}`,
+        why: `they stand for all lines at all wavelengths, the same in each frame of a refinement; environmentNodes is ${environmentNodes}`,
       },
     ],
     underLights: pattern.underLights,

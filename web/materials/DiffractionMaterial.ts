@@ -23,9 +23,11 @@ import {
 import type { DiffractionError } from '../errors'
 import { floatLiteral } from '../glsl/float-literal'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders'
+import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame'
 import type {
   Efficiencies,
   Energy,
+  EnvironmentRefinement,
   Feature,
   LightOptics,
   Metal,
@@ -97,6 +99,11 @@ export class DiffractionMaterial extends ShaderMaterial {
   #environmentFeatures: readonly Feature[] = []
   /** Makes what an environment needs of the optics; null once it is there. */
   #environmentUniforms: Optics['environmentUniforms'] | null = null
+  #environmentRefinement: EnvironmentRefinement | null = null
+  /** Whether the last frame drawn was one of a refinement. */
+  #isRefined = false
+  /** How many frames of a refinement the uniforms serve; 0: of none. */
+  #refinementFrames = 0
   #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
   /** What the lights of the last frame drawn asked of the optics. */
   #lightOptics: LightOptics = { defines: {}, features: [] }
@@ -553,6 +560,8 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#opticsFeatures = optics.features
     this.#environmentFeatures = optics.environmentFeatures
     this.#environmentUniforms = environmentUniforms
+    this.#environmentRefinement = optics.environmentRefinement
+    this.#refinementFrames = 0
     this.#underLights = underLights
     this.#largestRadius = -1
     this.#takeUniforms(uniforms)
@@ -616,6 +625,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       this.#takeUniforms(this.#environmentUniforms())
       this.#environmentUniforms = null
     }
+    this.#followRefinement(refinementFrame(scene))
     const { texture, isCube, texel } = environment
     const euler = isOwn ? this.envMapRotation : scene.environmentRotation
     const rotation = this.uniforms.uEnvironmentRotation!.value as Matrix3
@@ -628,6 +638,17 @@ export class DiffractionMaterial extends ShaderMaterial {
       'uEnvironmentIntensity',
       isOwn ? this.envMapIntensity : scene.environmentIntensity,
     )
+  }
+
+  #followRefinement(frame: RefinementFrame | null): void {
+    this.#isRefined = frame !== null
+    const refinement = this.#environmentRefinement
+    if (refinement === null) return
+    if (frame !== null && frame.count !== this.#refinementFrames) {
+      this.#refinementFrames = frame.count
+      this.#takeUniforms(refinement.uniforms(frame.count))
+    }
+    this.#setNumber('uEnvironmentStart', frame === null ? 0 : refinement.start(frame))
   }
 
   /** After all that the table depends on. */
@@ -660,6 +681,7 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   #planarObstacle(): string | null {
     if (!this.planarEnvironment) return 'planarEnvironment is false'
+    if (this.#isRefined) return 'a refinement goes further than a table'
     if (this.method !== 'closed-form') return `method is '${this.method}'`
     if (this.#normalMap !== null || this.#bumpMap !== null) return 'a map bends the normals'
     return this.flatShading ? 'flatShading takes normals from the triangles' : null

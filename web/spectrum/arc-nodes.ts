@@ -1,5 +1,6 @@
 import { parameterFromTexel } from '../maps/axes'
 import { arrayOf, type LoadedMap } from '../maps/load'
+import { radicalInverse } from '../refinement/radical-inverse'
 import { solveLinear } from './solve-linear'
 import type { SpectralNode } from './spectral-nodes'
 
@@ -33,19 +34,32 @@ interface Cell {
  * times the square of its width.
  *
  * @param lobes - a map of kind 'lobes'
- * @param count - number of nodes, 1 or more
+ * Over several frames, each with nodes of its own in between those of the others, the mean of the frames is nearly
+ * the estimate of all nodes together, and each frame alone is exact where L is the same everywhere.
+ *
+ * @param count - number of nodes of a frame, 1 or more
  * @param reflectance - R(λ) of the metal, λ in µm; the nodes' tints come with it
+ * @param frames - number of frames, a power of 2
+ * @returns the nodes of one frame after the other's; the mean of the first 2, 4, 8 … frames spreads evenly
  */
 export function arcNodes(
   lobes: LoadedMap,
   count: number,
   reflectance: (wavelength: number) => number,
+  frames = 1,
 ): SpectralNode[] {
   const cells = spectrumCells(lobes, reflectance)
-  const nodes = bandNodes(cells, count)
+  const nodes = bandNodes(cells, count * frames)
   const wavelengths = nodes.map((node) => node.wavelength)
-  const tints = estimatorWeights(cells, wavelengths)
-  return nodes.map((node, i) => ({ ...node, tints: tints[i]! }))
+  const tints = estimatorWeights(cells, wavelengths, frames)
+  return Array.from({ length: frames }, (_, frame) => {
+    // The first in the middle of each frame's bands.
+    const place = (radicalInverse(frame) * frames + frames / 2) % frames
+    return Array.from({ length: count }, (_, band) => {
+      const i = band * frames + Math.floor(place)
+      return { ...nodes[i]!, tints: tints[i]!.map((tint) => tint * frames) }
+    })
+  }).flat()
 }
 
 function spectrumCells(
@@ -86,8 +100,12 @@ function bandNodes(cells: readonly Cell[], count: number): Omit<SpectralNode, 't
   })
 }
 
-/** The weights of a reading at each of those wavelengths, in µm: nine numbers for each. */
-function estimatorWeights(cells: readonly Cell[], wavelengths: readonly number[]): number[][] {
+/** The weights of a reading at each of those wavelengths, in µm, one of each frame in turn: nine numbers for each. */
+function estimatorWeights(
+  cells: readonly Cell[],
+  wavelengths: readonly number[],
+  frames: number,
+): number[][] {
   const variogram = (a: number, b: number): number => Math.abs(a - b) ** VARIOGRAM
   const total = Array.from({ length: COLUMNS }, (_, c) => sum(cells.map(({ tints }) => tints[c]!)))
   const system = wavelengths.map((a) => [...wavelengths.map((b) => variogram(a, b)), 1])
@@ -102,17 +120,21 @@ function estimatorWeights(cells: readonly Cell[], wavelengths: readonly number[]
   // The last row: a radiance that is the same everywhere is summed exactly.
   system.push([...wavelengths.map(() => 1), 0])
   right.push(total)
-  return withoutNegative(solveLinear(system, right).slice(0, -1), total)
+  return shared(solveLinear(system, right).slice(0, -1), total, frames)
 }
 
 /**
- * The dim ends of the spectrum have weights slightly below zero, at most 2 % of a sum. A lamp seen at one of these wavelengths
- * alone would shine darkness: they are zero, and the others as much less.
+ * Weights of which each frame's add up to an equal share of the total: some percent more or less in each. The dim ends of the
+ * spectrum have some slightly below zero, at most 2 % of a sum; a lamp seen at one of these wavelengths alone would shine
+ * darkness: they are zero, and the others as much less.
  */
-function withoutNegative(weights: number[][], total: readonly number[]): number[][] {
+function shared(weights: number[][], total: readonly number[], frames: number): number[][] {
   const kept = weights.map((tints) => tints.map((tint) => Math.max(tint, 0)))
-  const factors = total.map((amount, c) => amount / sum(kept.map((tints) => tints[c]!)))
-  return kept.map((tints) => tints.map((tint, c) => tint * factors[c]!))
+  const factors = Array.from({ length: frames }, (_, frame) => {
+    const own = kept.filter((_, i) => i % frames === frame)
+    return total.map((amount, c) => amount / frames / sum(own.map((tints) => tints[c]!)))
+  })
+  return kept.map((tints, i) => tints.map((tint, c) => tint * factors[i % frames]![c]!))
 }
 
 /** The sum over cells up to a wavelength, each cell's amount spread evenly over it. */

@@ -1,7 +1,13 @@
 import { floatLiteral } from '../glsl/float-literal'
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
 import { stepTexture } from '../maps/step-texture'
-import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface'
+import type {
+  EnvironmentRefinement,
+  Feature,
+  LightOptics,
+  Optics,
+  OpticsSettings,
+} from '../surfaces/surface'
 import { maxOrder, propagatingOrder } from './max-order'
 import { SpectralTextures } from './spectral-textures'
 import { ARC_FILTER, spectrumOptics, wavelengthsOfLoop, windowVariance } from './spectrum-optics'
@@ -69,7 +75,25 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
           ? spectra.nodes(settings.environmentNodes, placement)
           : spectra.arcNodes(settings.environmentNodes),
       },
+      uEnvironmentStart: { value: 0 },
     }),
+    environmentRefinement: isLoop ? null : refinement(spectra, settings.environmentNodes),
+  }
+}
+
+/** Of 8 shares the mean of 12 nodes has the error at which more gain nothing, since each has to be white for itself. */
+const MOST_SHARES = 8
+
+/** Each frame reads its share of many times as many nodes, which cannot lie closer than the spectra's own nanometres. */
+function refinement(spectra: SpectralTextures, nodes: number): EnvironmentRefinement {
+  const closest = 2 ** Math.floor(Math.log2(wavelengthsOfLoop(0.001) / nodes))
+  const most = Math.min(closest, MOST_SHARES)
+  return {
+    uniforms: (count) => ({
+      uEnvironmentNodes: { value: spectra.refinedArcNodes(nodes, Math.min(count, most)) },
+    }),
+    // Before them are the nodes of a frame that stands alone.
+    start: ({ index, count }) => (1 + (index % Math.min(count, most))) * nodes,
   }
 }
 
@@ -157,10 +181,10 @@ function describeOptics(
   ]
 }
 
-function describeNodes({ environmentNodes }: GratingOpticsSettings): Feature {
+function describeNodes({ environmentNodes, method }: GratingOpticsSettings): Feature {
   return {
     feature: 'nodes along the environment',
     included: true,
-    why: `${environmentNodes} wavelengths stand for the spectrum`,
+    why: `${environmentNodes} wavelengths stand for the spectrum, ${method === 'wavelength-loop' ? 'the same' : 'others'} in each frame of a refinement`,
   }
 }

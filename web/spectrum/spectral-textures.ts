@@ -36,6 +36,16 @@ export class SpectralTextures {
     )
   }
 
+  /** Those of `arcNodes(count)`, and then those of so many frames that share a spectrum. */
+  refinedArcNodes(count: number, frames: number): DataTexture {
+    return this.#once(`arc ${count} of ${frames}`, () =>
+      nodesTexture([
+        ...arcNodes(this.lobes, count, this.#reflectance),
+        ...arcNodes(this.lobes, count, this.#reflectance, frames),
+      ]),
+    )
+  }
+
   #once(name: string, make: () => DataTexture): DataTexture {
     return sharedTexture(this.lobes, `${this.metal ?? 'mirror'} ${name}`, make)
   }

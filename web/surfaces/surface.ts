@@ -1,5 +1,6 @@
 import type { IUniform, Vector3 } from 'three'
 import type { LoadedMap } from '../maps/load'
+import type { RefinementFrame } from '../refinement/refinement-frame'
 
 export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
 export type Metal = (typeof METALS)[number]
@@ -55,6 +56,17 @@ export interface LightOptics {
   features: readonly Feature[]
 }
 
+/** An environment is read at other places in each frame of a progressive refinement. */
+export interface EnvironmentRefinement {
+  /**
+   * Makes uniforms that serve all of so many frames, and those that stand alone too, in place of those of the same name; asked
+   * for with the first.
+   */
+  uniforms: (count: number) => Record<string, IUniform>
+  /** Value of the uniform uEnvironmentStart in a frame; in one that stands alone it is 0. */
+  start: (frame: RefinementFrame) => number
+}
+
 /** What a surface adds to the shader program once its tables are there. */
 export interface Optics {
   /** What of the optics is in the program, what is left out, and why. */
@@ -65,6 +77,8 @@ export interface Optics {
   uniforms: Record<string, IUniform>
   /** Makes the uniforms that an environment needs besides; asked for once there is one. */
   environmentUniforms: () => Record<string, IUniform>
+  /** How it is read in the frames of a progressive refinement; null: as in any other. */
+  environmentRefinement: EnvironmentRefinement | null
   /** What of the optics depends on the largest angular radius of the lights in the scene, rad. */
   underLights: (angularRadius: number) => LightOptics
 }

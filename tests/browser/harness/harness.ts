@@ -1,5 +1,6 @@
 import { WebGLRenderer } from 'three'
 import { countCompilations } from './recompilation'
+import { reportRefinement } from './refinement'
 import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
 import type { SceneDescription } from './scene-description'
@@ -29,6 +30,8 @@ export interface Harness {
   drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
   /** Counts the programs that a scene with this surface links as it changes. */
   countCompilations: typeof countCompilations
+  /** What refining a scene at rest does. */
+  reportRefinement: typeof reportRefinement
   /** Draws frames of one scene, one for each step. */
   drawPlanarFrames: (scene: SceneDescription, steps: PlanarStep[]) => Promise<PlanarFrame[]>
   /** The colour in the picture's middle with each of three's features. */
@@ -74,6 +77,7 @@ window.harness = {
   drawPlanarFrames: (scene, steps) => drawPlanarFrames(renderer, scene, steps),
   drawVariants,
   countCompilations,
+  reportRefinement,
   probeFeatures,
 }
 

@@ -11,7 +11,11 @@ import { fragmentShaderOf, tablesOf, type TableSize } from './program'
 import { buildScene, type BuiltScene } from './build-scene'
 import { environmentTexels } from './environment'
 import { GeometryMaterial } from './geometry-material'
-import type { Feature } from '../../../web'
+import {
+  ProgressiveRefinement,
+  type Feature,
+  type ProgressiveRefinementOptions,
+} from '../../../web'
 import type { SceneDescription } from './scene-description'
 
 /** Number of geometry layers, in the order of geometry.frag.glsl. */
@@ -43,7 +47,10 @@ export async function renderScene(
   const built = await buildScene(description)
   try {
     const [width, height] = description.size
-    const radiance = renderTo(renderer, built, width, height, 1)
+    const radiance =
+      description.refinement === undefined
+        ? renderTo(renderer, built, width, height, 1)
+        : renderRefined(renderer, built, width, height, description.refinement)
     const material = built.mesh.material
     const shader = {
       fragmentShader: fragmentShaderOf(renderer, material),
@@ -96,6 +103,25 @@ function renderTo(
   }
   renderer.setRenderTarget(null)
   target.dispose()
+  return pixels
+}
+
+function renderRefined(
+  renderer: WebGLRenderer,
+  { scene, camera }: BuiltScene,
+  width: number,
+  height: number,
+  options: ProgressiveRefinementOptions,
+): Float32Array {
+  const refinement = new ProgressiveRefinement(renderer, options)
+  renderer.setClearColor(0x000000, 0)
+  refinement.begin(width, height)
+  while (refinement.frame(scene, camera));
+  const rows = new Float32Array(width * height * 4)
+  const pixels = new Float32Array(width * height * 4)
+  renderer.readRenderTargetPixels(refinement.mean, 0, 0, width, height, rows)
+  refinement.dispose()
+  flipRows(rows, width, pixels)
   return pixels
 }
 

@@ -1,4 +1,9 @@
-import type { DiffractionMaterialOptions, GratingOptions, HeightFieldOptions } from '../../../web'
+import type {
+  DiffractionMaterialOptions,
+  GratingOptions,
+  HeightFieldOptions,
+  ProgressiveRefinementOptions,
+} from '../../../web'
 
 type Triple = [number, number, number]
 
@@ -12,6 +17,8 @@ export interface SceneDescription {
   lights?: LightDescription[]
   environment?: EnvironmentDescription
   force?: ForcedParts
+  /** The mean of many frames in place of one. */
+  refinement?: ProgressiveRefinementOptions
 }
 
 /** What is put into the material's program though the scene has no use for it. */
