@@ -54,6 +54,13 @@ def grating_bars(report: Report, results: dict[str, SceneResult]) -> Iterator[Ba
         (1, "added time over that of the papers' arcs, at their error", ARC_TIME),
     ):
         yield from worst(asked, [(name, both[index]) for name, both in shares], limit)
+    flat = {row.scene for row in closed if not row.knobs.get("planar", True)}
+    tabled = [row for row in closed if row.scene in flat and "planar" not in row.knobs]
+    for asked, figure, limit in (
+        ("flat and 1° rough in an environment, relative RMSE", "rel_rmse", 0.02),
+        ("flat and 1° rough in an environment, frame over standard", "time_ratio", 2),
+    ):
+        yield from worst(asked, [(row.scene, getattr(row, figure)) for row in tabled], limit)
     if TIMED_SCENE in results:
         frame, share = _frame_and_share(results[TIMED_SCENE])
         yield Bar("added time, closed form over loop of 5 nm", 0.1, share, TIMED_SCENE)

@@ -65,11 +65,11 @@ class MeasuredErrors(_Entry):
 
 def surface_class(scene: Scene) -> str:
     """The class of a scene's surface, as the material's surfaces name it (`measuredAs`)."""
+    is_rough = scene.description.get("material", {}).get("roughness", 0) > 0
     if scene.surface != "height_field":
-        return scene.surface
+        return f"rough {scene.surface}" if is_rough else scene.surface
     if "tiles" in scene.description["surface"]:
         return "repeated height field"
-    is_rough = scene.description.get("material", {}).get("roughness", 0) > 0
     return "rough height field" if is_rough else "sharp height field"
 
 
@@ -81,8 +81,13 @@ def measured_errors(rows: Iterable[Row], scenes: Iterable[Scene]) -> MeasuredErr
         scenes: What they are rows of.
     """
     known = {scene.name: scene for scene in scenes}
+    rows = list(rows)
+    # The table of a flat surface is for some meshes only: what is drawn without it too counts so.
+    any_mesh = {(row.scene, row.method) for row in rows if not row.knobs.get("planar", True)}
     groups: dict[tuple[str, Part], list[Row]] = defaultdict(list)
     for row in rows:
+        if "planar" not in row.knobs and (row.scene, row.method) in any_mesh:
+            continue
         part: Part = "lights" if row.lighting in ("directional", "point") else "environment"
         if row.lighting == "mixed" and "environment" not in known[row.scene].description:
             part = "lights"

@@ -31,7 +31,14 @@ from precompute.report.measured_errors import MeasuredErrors, measured_errors, s
 from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, all_bars, index_page
 from precompute.report.pictures import draw_bake_cost
-from precompute.report.rows import BakeCost, Report, Row, Stability, mark_pareto
+from precompute.report.rows import (
+    BakeCost,
+    MinifiedFoil,
+    Report,
+    Row,
+    Stability,
+    mark_pareto,
+)
 from precompute.report.run import MEASURED_ERRORS, SCENES, is_whole, make_report
 from precompute.report.scenes import Method, Scene, read_scenes
 from precompute.report.shader_cost import (
@@ -93,7 +100,7 @@ def test_a_row_is_written_as_it_is_read() -> None:
     assert written["rows"] == [ROW]
     assert list(written) == [
         *("generated_by", "version", "backend", "threads", "rows"),
-        *("stability", "left_out", "acquisition", "bake_cost"),
+        *("stability", "left_out", "acquisition", "minified", "bake_cost"),
     ]
     assert Report.model_validate(written) == report
 
@@ -762,11 +769,40 @@ def test_an_environment_is_drawn_by_nodes_whatever_the_loop(tmp_path: Path) -> N
     }
 
 
+def test_the_table_of_a_flat_surface_is_held_to_bars_and_stands_for_no_other(
+    tmp_path: Path,
+) -> None:
+    scene = Scene.read(written(tmp_path, lights=[], environment={"asset": "studio"}))
+    table, nodes = ("closed-form", {}, 0.021, 2.1), ("closed-form", {"planar": False}, 0.03, 40)
+    report = Report(backend="", threads=1, rows=rows_of(scene, table, nodes))
+    bars = {bar.asked: bar for bar in all_bars(report, {})}
+    missed = [bar.value for name, bar in bars.items() if name.startswith("flat and 1° rough")]
+    assert missed == [0.021, 2.1]
+    assert not any(bar.is_met for name, bar in bars.items() if name.startswith("flat"))
+    read = Report.model_validate_json(report.to_json())
+    (setting,) = measured_errors(read.rows, [scene]).classes["grating"]["environment"].settings
+    assert setting.rel_rmse == 0.03
+
+
+def test_a_foil_that_flickers_misses_its_bar() -> None:
+    far = [
+        MinifiedFoil(texels=8, shown=shown, mean_error=error, brightness=1, flicker=flicker)
+        for shown, error, flicker in (("filtered", 0.04, 1.1), ("nearest texel", 0.3, 2))
+    ]
+    report = Report(backend="", threads=1, rows=[], minified=far)
+    bars = {bar.asked: bar for bar in all_bars(report, {})}
+    assert bars["foils from afar, error over mean radiance"].is_met
+    flicker = bars["foils from afar, flicker over the mean's"]
+    assert (flicker.value, flicker.where, flicker.is_met) == (1.1, "8 texels to a pixel", False)
+    assert "| 8 | nearest texel | 0.3000 | 1.0000 | 2.000 |" in index_page(report, {}, [])
+
+
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
         ({}, "grating"),
         ({"surface": {"kind": "foil", "map": "x"}}, "foil"),
+        ({"material": {"roughness": 0.01}}, "rough grating"),
         ({"surface": {"kind": "height-field", "field": "x"}}, "sharp height field"),
         (
             {"surface": {"kind": "height-field", "field": "x"}, "material": {"roughness": 0.01}},

@@ -33,10 +33,10 @@ interface Cell {
  * the centroids of bands whose density goes with the root of the weight: the error of a band grows with its weight
  * times the square of its width.
  *
- * @param lobes - a map of kind 'lobes'
  * Over several frames, each with nodes of its own in between those of the others, the mean of the frames is nearly
  * the estimate of all nodes together, and each frame alone is exact where L is the same everywhere.
  *
+ * @param lobes - a map of kind 'lobes'
  * @param count - number of nodes of a frame, 1 or more
  * @param reflectance - R(λ) of the metal, λ in µm; the nodes' tints come with it
  * @param frames - number of frames, a power of 2

@@ -86,10 +86,6 @@ export class Grating extends GratingSurface {
     if (this.isPartial !== wasPartial) this.changed()
   }
 
-  measuredAs(): string {
-    return 'grating'
-  }
-
   get isPartial(): boolean {
     return this.strength < 1
   }
