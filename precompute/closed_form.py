@@ -208,7 +208,7 @@ def _squared_cosine(direction: Array, offset: Array | float) -> Array:
 
 
 def above_horizon(squared_cosine: Array, deviation: Array) -> Array:
-    """The part of a lobe above the horizon, at most 0.02 more than Φ((1 − r)/c) and never less.
+    """The part of a lobe above the horizon, at most 0.002 more than Φ((1 − r)/c) and never less.
 
     Args:
         squared_cosine: 1 − r² of the lobe's middle, below 0 where that is under the horizon.
@@ -217,8 +217,11 @@ def above_horizon(squared_cosine: Array, deviation: Array) -> Array:
     # 1 − r = (1 − r²)/2 + (1 − r²)²/8 + …, and what makes it 1 at r = 0.
     rest = 0.125 * np.maximum(squared_cosine, -1) + 0.375 * np.maximum(squared_cosine, 0) ** 3
     z = squared_cosine * (0.5 + rest) / deviation
-    below, above = np.clip(1 + z / 4.2, 0, 1), np.clip(1 - z / 3, 0, 1)
-    return np.where(z < 0, below**4 / 2, 1 - above**3 / 2)
+    # Φ(−|z|) to 0.00091, a fit; as much is added.
+    away = -np.abs(z)
+    t = np.clip(1 + away / 4.2, 0, 1)
+    tail = 0.5 * t**5 * (1 - away * (0.4012 + 0.16397 * away))
+    return np.where(z < 0, tail, 1 - tail) + 0.00092 * np.minimum(4 * t, 1)
 
 
 @functools.lru_cache(maxsize=16)

@@ -38,15 +38,18 @@ float orderDepth(vec3 uvw, vec3 wo, float offset) {
 // A lobe whose middle is so many standard deviations below the horizon is not seen.
 #define HORIZON_DEVIATIONS 4.2
 
-// The part of a lobe above the horizon, Φ((1 − r)/c) within 0.02 and never less: light is not to be made.
+// The part of a lobe above the horizon, Φ((1 − r)/c) within 0.002 and never less: light is not to be made.
 // squaredCosine: 1 − r² of its middle, at two wavenumbers; sharpness: 1/c, c its standard deviation in directions.
 vec2 aboveHorizon(vec2 squaredCosine, float sharpness) {
 	// 1 − r = (1 − r²)/2 + (1 − r²)²/8 + …, and what makes it 1 at r = 0.
 	vec2 up = max(squaredCosine, 0.0);
 	vec2 z = squaredCosine * (0.5 + 0.125 * max(squaredCosine, -1.0) + 0.375 * up * up * up) * sharpness;
-	vec2 below = clamp(1.0 + z / HORIZON_DEVIATIONS, 0.0, 1.0);
-	vec2 above = clamp(1.0 - z / 3.0, 0.0, 1.0);
-	return mix(1.0 - 0.5 * above * above * above, 0.5 * below * below * below * below, lessThan(z, vec2(0.0)));
+	// Φ(−|z|) to 0.00091, a fit; as much is added.
+	vec2 away = -abs(z);
+	vec2 t = clamp(1.0 + away / HORIZON_DEVIATIONS, 0.0, 1.0);
+	vec2 t2 = t * t;
+	vec2 tail = 0.5 * t2 * t2 * t * (1.0 - away * (0.4012 + 0.16397 * away));
+	return mix(1.0 - tail, tail, lessThan(z, vec2(0.0))) + 0.00092 * min(4.0 * t, 1.0);
 }
 
 // The mean of 1/N(ω, s) over a lobe, N = Σ η_j H_j, H_j the part of order j's lobe above the horizon, each order at its own

@@ -66,8 +66,10 @@ class MeasuredErrors(_Entry):
 def surface_class(scene: Scene) -> str:
     """The class of a scene's surface, as the material's surfaces name it (`measuredAs`)."""
     is_rough = scene.description.get("material", {}).get("roughness", 0) > 0
-    if scene.surface != "height_field":
-        return f"rough {scene.surface}" if is_rough else scene.surface
+    if scene.surface == "foil":
+        return "foil"
+    if scene.surface == "grating":
+        return "rough grating" if is_rough else "grating"
     if "tiles" in scene.description["surface"]:
         return "repeated height field"
     return "rough height field" if is_rough else "sharp height field"

@@ -94,6 +94,10 @@ export class Foil extends GratingSurface {
     }
   }
 
+  measuredAs(): string {
+    return 'foil'
+  }
+
   /** Tiles along u and v. */
   get repeat(): Vector2 {
     return this.uniforms.uFoilRepeat.value

@@ -15,6 +15,7 @@ export abstract class GratingSurface implements Surface {
   abstract readonly defines: Record<string, string | number>
   abstract readonly uniforms: Record<string, IUniform>
   abstract readonly isPartial: boolean
+  abstract measuredAs(settings: OpticsSettings): string
   /** Why the map of a foil is, or is not, read for its gratings' orientation and period. */
   protected abstract readonly mapRead: { included: boolean; why: string }
   abstract readonly planarGratings: readonly Vector3[] | null
@@ -67,11 +68,6 @@ export abstract class GratingSurface implements Surface {
     // Another table may reach further, or less far; its own check follows when it is loaded.
     this.#maxPhase = Infinity
     this.changed()
-  }
-
-  measuredAs({ roughness }: OpticsSettings): string {
-    const name = this.name.toLowerCase()
-    return roughness > 0 ? `rough ${name}` : name
   }
 
   tables(settings: OpticsSettings, mapsPath: string): Record<string, string> {

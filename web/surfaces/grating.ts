@@ -2,6 +2,7 @@ import { Vector2, Vector3 } from 'three'
 import gratingGlsl from '../../shaders/surfaces/grating.glsl?raw'
 import { oneOf, positive, within } from '../validation'
 import { GratingSurface } from './grating-surface'
+import type { OpticsSettings } from './surface'
 
 export const TRACKS = ['straight', 'circular'] as const
 export type Tracks = (typeof TRACKS)[number]
@@ -84,6 +85,10 @@ export class Grating extends GratingSurface {
     const wasPartial = this.isPartial
     this.uniforms.uGratingStrength.value = within(this.name, 'strength', value, 0, 1)
     if (this.isPartial !== wasPartial) this.changed()
+  }
+
+  measuredAs({ roughness }: OpticsSettings): string {
+    return roughness > 0 ? 'rough grating' : 'grating'
   }
 
   get isPartial(): boolean {
