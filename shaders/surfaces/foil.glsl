@@ -96,7 +96,7 @@ vec3 surfaceRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	// v = 0. The lit ones are found first, so that neighbouring pixels sum as many as each of them has.
 	vec3 sum = wi + wo;
 	vec2 uv = vec2(dot(sum, p.tangent), dot(sum, p.bitangent));
-	float tilt = dot(sum, p.normal) * uRoughness;
+	float tilt = (dot(wo, p.normal) + 1.0) * uRoughness;  // no order's w is more
 	float variance = uWindowVariance / (WAVENUMBER_MIN * WAVENUMBER_MIN) + tilt * tilt + light.angularRadius * light.angularRadius;
 	float reach2 = 2.0 * EXPONENT_CUT * variance;
 	uint lit = 0u;

@@ -283,12 +283,12 @@ function failures(name: string, sets: StabilitySet[], results: StabilityResult[]
   )
 }
 
-/** SwiftShader, a stand-in for a poor GPU, is slower: every tenth of the sets of programs that differ in kind. */
+/** SwiftShader, a stand-in for a poor GPU, is slower: every fifth of the sets of programs that differ in kind. */
 const BACKENDS: { backend: 'llvmpipe' | 'swiftshader'; share: number; names: string[] }[] = [
   { backend: 'llvmpipe', share: 1, names: Object.keys(PROGRAMS) },
   {
     backend: 'swiftshader',
-    share: 0.1,
+    share: 0.2,
     names: ['conserving', 'sharp', 'height field, baked', 'a foil', 'a harsh environment'],
   },
 ]
@@ -315,7 +315,7 @@ describe.each(BACKENDS)(
       expect(failures(name, sets, results).slice(0, 5).join('\n')).toBe('')
       // Pictures without light would show nothing.
       const lit = results.filter(({ largest }) => largest > 0).length
-      expect(lit).toBeGreaterThan(0.25 * sets.length)
+      expect(lit).toBeGreaterThan(0.3 * sets.length)
     })
 
     it('draws what once failed', async () => {

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -254,8 +254,49 @@ def check_furnace(case: Case) -> None:
         assert f @ area <= 1 + 1e-3
 
 
+MARGIN = 8.0
+"""Of every order from the horizon, in deviations of its lobe."""
+
+sharp_furnaces = st.builds(
+    dict,
+    kind=st.just("sharp-furnace"),
+    period=decades(0.038, 10),
+    height=decades(1e-4, 0.6),
+    profile=st.sampled_from(["sinusoidal", "rectangular", "blazed", "triangular"]),
+    coherence=decades(20, 1000),
+    view=st.tuples(polar.filter(lambda θ: θ < 89.99), azimuth),
+    wavelength=st.floats(WAVELENGTH_MIN, WAVELENGTH_MAX),
+)
+
+
+def check_sharp_furnace(case: Case) -> None:
+    """Likewise of lobes far narrower than the disc's rule, each by itself, clear of the horizon."""
+    fields = {key: case[key] for key in ("period", "height", "profile", "coherence")}
+    grating = Grating.model_validate({**fields, "metal": None})
+    wo, λ = directed(*case["view"]), case["wavelength"]
+    offsets = np.arange(-1200, 1201) * λ / grating.period
+    distance = np.hypot(offsets - wo[0], wo[1])
+    deviation = λ / (2 * np.sqrt(2) * np.pi * grating.coherence)
+    assume(np.abs(1 - distance).min() > MARGIN * deviation)
+    step = deviation / 2  # a trapezoidal rule over a Gaussian: exact to 1e-30
+    across, along = (step * n.ravel() for n in np.mgrid[-10:11, -10:11])
+    x = (offsets[distance < 1][:, None] - wo[0] + across).ravel()
+    y = np.tile(along - wo[1], len(x) // len(along))
+    wi = np.stack([x, y, np.sqrt(1 - x**2 - y**2)], axis=-1)
+    views = np.tile(wo, (len(wi), 1))
+    method = ClosedForm(grating, Light())
+    node = Node(λ, 1e-6, np.ones(3))
+    for f in (
+        reference.spectral_brdf(grating, wi, views, np.full(len(wi), λ)),
+        method.at_node(node, wi, views),
+    ):
+        assert_sound(f)
+        assert f.sum() * step**2 <= 1 + 1e-3
+
+
 CHECKS = {
     "furnace": check_furnace,
+    "sharp-furnace": check_sharp_furnace,
     "grating": check_grating,
     "height-field": check_height_field,
     "baked": check_baked,
@@ -284,6 +325,12 @@ def test_baked_height_field(found: list[Any]) -> None:
 @given(furnaces)
 def test_white_furnace(case: Case) -> None:
     check_furnace(case)
+
+
+@settings(quickly, max_examples=100)
+@given(sharp_furnaces)
+def test_white_furnace_of_sharp_lobes(case: Case) -> None:
+    check_sharp_furnace(case)
 
 
 @settings(quickly, max_examples=20)
