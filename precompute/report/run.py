@@ -6,7 +6,9 @@ import json
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -90,12 +92,16 @@ def is_whole(scenes: list[Scene]) -> bool:
 
 
 @contextmanager
-def _stage(progress: Progress, name: str, total: int) -> Iterator[Callable[[], None]]:
-    """A bar that fills; a log, which shows no bars, gets a line when the stage begins."""
-    if not progress.console.is_terminal:
-        progress.console.print(f"{name}: {total} …")
+def _stage(progress: Progress, name: str, total: int) -> Iterator[Callable[[object], None]]:
+    """A bar that fills; a log, which shows no bars, gets a line with the hour for each item."""
     task = progress.add_task(name, total=total)
-    yield lambda: progress.advance(task)
+
+    def done(item: object) -> None:
+        progress.advance(task)
+        if not progress.console.is_terminal:
+            progress.console.log(f"{name}: {item}")
+
+    yield done
 
 
 def _furnace(profile: str) -> str:
@@ -112,30 +118,42 @@ def _render(scenes: list[Scene], work: Path, progress: Progress) -> None:
         description = furnace_description(profile, METHOD_OPTIONS["closed-form"])
         descriptions[_furnace(profile)] = description
     with _stage(progress, "Rendering", len(descriptions)) as advance:
-        for _ in browser.render(descriptions, work):
-            advance()
+        for name in browser.render(descriptions, work):
+            advance(name)
 
 
 def _compare(
     scenes: list[Scene], work: Path, progress: Progress, count: bool
 ) -> dict[str, tuple[MethodResult, ...]]:
     results: dict[str, tuple[MethodResult, ...]] = {}
-    with _stage(progress, "Reference", len(scenes)) as advance:
-        for scene in scenes:
-            names = [scene.picture_name(index) for index in range(len(scene.methods))]
-            renderings = [Rendering.read(work, name) for name in names]
-            # All methods draw the same geometry.
-            reference = reference_xyz(renderings[0], MAPS)
-            results[scene.name] = tuple(
-                MethodResult(
-                    comparison=compare(rendering, reference),
-                    tables=_tables(work / f"{name}.json"),
-                    static=_static(work / f"{name}.frag") if count else None,
-                )
-                for name, rendering in zip(names, renderings, strict=True)
-            )
-            advance()
+    with (
+        _stage(progress, "Reference", len(scenes)) as advance,
+        ProcessPoolExecutor(mp_context=get_context("spawn")) as pool,
+    ):
+        measured = [pool.submit(_compare_scene, scene, work, count) for scene in scenes]
+        try:
+            for scene, future in zip(scenes, measured, strict=True):
+                results[scene.name] = future.result()
+                advance(scene.name)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
     return results
+
+
+def _compare_scene(scene: Scene, work: Path, count: bool) -> tuple[MethodResult, ...]:
+    names = [scene.picture_name(index) for index in range(len(scene.methods))]
+    renderings = [Rendering.read(work, name) for name in names]
+    # All methods draw the same geometry.
+    reference = reference_xyz(renderings[0], MAPS)
+    return tuple(
+        MethodResult(
+            comparison=compare(rendering, reference),
+            tables=_tables(work / f"{name}.json"),
+            static=_static(work / f"{name}.frag") if count else None,
+        )
+        for name, rendering in zip(names, renderings, strict=True)
+    )
 
 
 def _tables(file: Path) -> dict[str, int]:
@@ -154,7 +172,7 @@ def _time(scenes: list[Scene], work: Path, progress: Progress) -> dict[str, Time
         for _ in range(LAUNCHES):
             for name, milliseconds in browser.time(requests, work):
                 times[name].launches.append(milliseconds)
-                advance()
+                advance(name)
     return times
 
 
@@ -178,12 +196,12 @@ def _left_out(scenes: list[Scene], work: Path, progress: Progress) -> list[LeftO
     }
     launches: dict[str, list[dict[str, float]]] = {scene.name: [] for scene in chosen}
     with _stage(progress, "Left out", len(descriptions) + LAUNCHES * len(chosen)) as advance:
-        for _ in browser.render(descriptions, work) if descriptions else ():
-            advance()
+        for name in browser.render(descriptions, work) if descriptions else ():
+            advance(name)
         for _ in range(LAUNCHES):
             for name, milliseconds in browser.time(requests, work) if requests else ():
                 launches[name].append(milliseconds)
-                advance()
+                advance(name)
     return [
         left_out_row(
             scene,
@@ -206,8 +224,8 @@ def _minified(scenes: list[Scene], work: Path, progress: Progress) -> list[Minif
     description["surface"].pop("filtered", None)
     drawn = dict(minification.pictures(description, minification.DISTANCES))
     with _stage(progress, "Foils from afar", len(drawn)) as advance:
-        for _ in browser.render(drawn, work):
-            advance()
+        for name in browser.render(drawn, work):
+            advance(name)
     return [
         minification.minified(work, distance, shown)
         for distance in minification.DISTANCES
@@ -228,10 +246,10 @@ def _stability(furnaces: dict[str, Rendering], progress: Progress) -> list[Stabi
     with _stage(progress, "Stability", len(CASES) + len(GRAZING)) as advance:
         for case in CASES:
             entries.append(series_stability(*case))
-            advance()
+            advance(entries[-1].case)
         for degrees in GRAZING:
             entries.append(grazing_stability(MAPS, degrees))
-            advance()
+            advance(entries[-1].case)
     return entries
 
 
@@ -240,7 +258,7 @@ def _bake(progress: Progress) -> list[BakeCost]:
     with _stage(progress, "Baking", len(SIZES)) as advance:
         for size in SIZES:
             costs.append(bake_cost(size))
-            advance()
+            advance(size)
     return costs
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from precompute.report.scenes import Scene
 
 FRAMES = 15
-"""Frames of each material in a launch, of which the shortest counts."""
+"""Frames of each material in a launch, of a slow one fewer, of which the shortest counts."""
 
 LAUNCHES = 3
 
