@@ -289,7 +289,7 @@ def environment_radiance(
         wo: ω_o, shape (n, 3), above the horizon.
         environment: Radiance by direction.
         light: Illuminant of the environment and observer.
-        wavelengths: A subset of `WAVELENGTHS` at equal steps, µm.
+        wavelengths: A subset of `WAVELENGTHS` at equal steps, two or more, µm.
         tilts: Nodes per axis over ±3 standard deviations; 1 for a flat grating.
         frame: Rows t, b, n of each grating's frame in the environment's axes, shape (n, 3, 3);
             without it the environment takes directions in the grating's frame.
@@ -299,7 +299,7 @@ def environment_radiance(
     """
     weights = colour_weights(light.observer, light.illuminant)
     indices = np.searchsorted(WAVELENGTHS, wavelengths - WAVELENGTH_STEP / 2)
-    step = WAVELENGTH_STEP * len(WAVELENGTHS) / len(wavelengths)
+    step = wavelengths[1] - wavelengths[0]
     offsets, shares = _tilt_nodes(tilts if grating.roughness > 0 else 1)
     basis = tint_basis()
     result = np.zeros((len(wo), 3))

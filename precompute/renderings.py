@@ -25,7 +25,7 @@ from precompute.maps import Map
 from precompute.profiles import Profile
 from precompute.recipes import ProfileRecipe, read_recipe
 from precompute.reference import colour_brdf, environment_radiance
-from precompute.spectra import xyz_to_linear_srgb
+from precompute.spectra import WAVELENGTHS, xyz_to_linear_srgb
 
 Array = NDArray[np.float64]
 ColourBrdf = Callable[[Array, Array, Light], Array]
@@ -34,8 +34,13 @@ ColourBrdf = Callable[[Array, Array, Light], Array]
 OPTICS = ("metal", "coherence", "roughness", "energy")
 """Options of the material that the reference shares."""
 
-TILTS = 9
-"""Nodes per axis of a rough surface's tilts under an environment, over ±3 standard deviations."""
+TILTS = 17
+"""Nodes per axis of a rough surface's tilts under an environment, over ±3 standard deviations. At
+1° of roughness they are 0.04 % off in a studio and 0.8 % under a hall's small lamps; 9 were 1 and
+20 %."""
+
+BLURRED = 0.01
+"""Roughness, rad, from which every fourth nanometre of an environment is enough."""
 
 LAYERS = ("position", "normal", "tangent", "grating", "uv")
 
@@ -245,6 +250,7 @@ def _lit_by(
 
 def _lit_by_environment(rendering: Rendering, grating: Grating, frame: Array, wo: Array) -> Array:
     environment, view = _environment(rendering)
+    wavelengths = WAVELENGTHS[2::4] if grating.roughness >= BLURRED else WAVELENGTHS
     result = np.zeros((len(wo), 3))
     for start in range(0, len(wo), 512):
         part = slice(start, start + 512)
@@ -254,6 +260,7 @@ def _lit_by_environment(rendering: Rendering, grating: Grating, frame: Array, wo
             wo[rows],
             environment,
             rendering.light,
+            wavelengths,
             tilts=TILTS,
             frame=frame[rows] @ view,
         )

@@ -88,7 +88,7 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
 
 def is_whole(scenes: list[Scene]) -> bool:
     """Whether these are all scenes: what a bake costs depends on none of them, and comes last."""
-    return scenes == read_scenes(SCENES)
+    return [scene.name for scene in scenes] == [scene.name for scene in read_scenes(SCENES)]
 
 
 @contextmanager
@@ -221,7 +221,8 @@ def _minified(scenes: list[Scene], work: Path, progress: Progress) -> list[Minif
     if not foils:
         return []
     description = foils[0].drawn_by(foils[0].methods[0])
-    description["surface"].pop("filtered", None)
+    surface = {k: v for k, v in description["surface"].items() if k != "filtered"}
+    description |= {"surface": surface}
     drawn = dict(minification.pictures(description, minification.DISTANCES))
     with _stage(progress, "Foils from afar", len(drawn)) as advance:
         for name in browser.render(drawn, work):
