@@ -8,6 +8,7 @@ import {
   type Vector3,
   type WebGLRenderer,
 } from 'three'
+import { drawsHalfFloats } from './full-screen-pass'
 import { meshPlane } from './mesh-plane'
 import { PlanarTable, type PlanarOptics } from './planar-table'
 
@@ -153,8 +154,4 @@ function isSame(a: Key, b: Key): boolean {
     a.things.every((thing, i) => thing === b.things[i]) &&
     a.numbers.every((number, i) => Math.abs(number - b.numbers[i]!) < TOLERANCE)
   )
-}
-
-function drawsHalfFloats({ extensions }: WebGLRenderer): boolean {
-  return extensions.has('EXT_color_buffer_float') || extensions.has('EXT_color_buffer_half_float')
 }
