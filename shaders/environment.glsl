@@ -23,7 +23,7 @@ float environmentLevel(float texels2) {
 	return max(0.5 * (bits / 8388608.0 - 127.0), 0.0);  // 23 bits of fraction; an exponent of 127 is 1
 }
 
-#ifdef ENVIRONMENT_EQUIRECT
+#if defined(ENVIRONMENT_EQUIRECT) || defined(BLURRED_LAYERS)
 // Where three's equirectUv() puts a unit direction, to 2e-6 rad: the asin and atan of drivers may be off by far more, which
 // moves sharp lamps by parts of a texel, and take longer. Polynomials of the least largest error:
 // atan(r)/r in r² on [0, 1], acos(y)/√(1 − y) in y on [0, 1].
@@ -41,7 +41,7 @@ vec2 equirectAt(vec3 direction) {
 	vec2 angles = vec2(direction.z < 0.0 ? -turn : turn, direction.y < 0.0 ? -rise : rise);
 	return 0.5 + angles * vec2(RECIPROCAL_PI2, RECIPROCAL_PI);
 }
-#endif // ENVIRONMENT_EQUIRECT
+#endif // ENVIRONMENT_EQUIRECT, BLURRED_LAYERS
 
 // Radiance (linear sRGB, clamped at zero) from a unit direction of the texture's own, at a mip level.
 // The level is stated, never derived from pixel neighbours: on the seam of an equirectangular map they lie a whole
@@ -67,5 +67,7 @@ vec3 environmentRadiance(vec3 directionView, float footprint) {
 vec3 environmentIrradiance(vec3 normal) {
 	return PI * environmentRadiance(normal, 2.0943951);
 }
+
+#include "blurred-environment.glsl"
 
 #endif // ENVIRONMENT_EQUIRECT, ENVIRONMENT_CUBE

@@ -186,9 +186,13 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	vec3 along = -o.y * inEnvironment(p.bitangent);
 	vec3 up = inEnvironment(p.normal);
 	float open = 1.0 - o.y * o.y;
+	#ifdef BLURRED_LAYERS
+	float unit = 1.0;
+	#else
 	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations, in texels here.
-	float tilt = 2.0 * uRoughness / uEnvironmentTexel;
-	float tilt2 = tilt * tilt;
+	float unit = 2.0 / uEnvironmentTexel;
+	#endif // BLURRED_LAYERS
+	float tilt2 = unit * uRoughness * unit * uRoughness;
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, uEnvironmentStart + j);
@@ -197,8 +201,8 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 		ivec2 orders = ordersWithin(o, shift, 1.0);
 		float width = BAND_DEVIATION * s * s * node.bandwidth;
 		// The share of the first order's arc is a box of that length in the plane, 1/√12 of it its standard deviation.
-		float arc = ARC_FILTER * p.frequency * node.bandwidth / uEnvironmentTexel;
-		float arc2 = 4.0 * arc * arc / 12.0;
+		float arc = ARC_FILTER * p.frequency * node.bandwidth * unit;
+		float arc2 = arc * arc / 12.0;
 		float phase = reliefPhase(1.0, s);
 		float efficiency = orderEfficiency(0, 2.0 * o.z * phase);
 		float total = efficiency;
@@ -218,10 +222,22 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 			#if defined(ENERGY_KIRCHHOFF) || defined(ENERGY_RECIPROCAL)
 			efficiency *= energyFactor(vec3(x, -o.y, z), o, s, width, p.frequency);
 			#endif // ENERGY
+			#ifdef BLURRED_LAYERS
+			// Tilts move the direction in the plane by w δ on all sides: as an angle that is as much across, and 1/z of it along
+			// the radius. What is more than a round blur is to move outwards and inwards, at every other node.
+			float move = w * uRoughness;
+			float scale = 1.0 + (((j ^ m) & 1) == 0 ? move : -move);
+			float moved = min(scale * scale * (1.0 - z2), 1.0);
+			vec3 i = scale * (across * x + along) + up * sqrt(1.0 - moved);
+			seen += efficiency * blurredRadiance(i, order * order * arc2 / max(z2, 0.0025) + move * move);
+			#else
 			float level = environmentLevel(order * order * arc2 / max(z2, 0.0025) + tilt2 * w * w);
+			#ifndef ROUGH
 			// Of a smooth surface whole levels: each is one read where others are two.
-			level = uRoughness > 0.0 ? level : floor(level);
+			level = floor(level);
+			#endif // ROUGH
 			seen += efficiency * environmentTexels(across * x + along + up * z, level);
+			#endif // BLURRED_LAYERS
 		}
 		#if !defined(ENERGY_KIRCHHOFF) && !defined(ENERGY_RECIPROCAL)
 		// The mean needs no floor as the light's lobes do: what is divided has the same factor.
@@ -237,8 +253,20 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	vec3 o = inFrame(p, wo);
 	if (o.z <= 0.0) return vec3(0.0);
+	#ifdef BLURRED_LAYERS
+	float move = 2.0 * o.z * uRoughness;
+	vec2 scale = vec2(1.0 + move, 1.0 - move);
+	vec2 moved = min(scale * scale * (1.0 - o.z * o.z), 1.0);
+	vec3 plane = -o.x * inEnvironment(p.tangent) - o.y * inEnvironment(p.bitangent);
+	vec3 up = inEnvironment(p.normal);
+	vec3 mirror = 0.5 * (
+		blurredRadiance(scale.x * plane + up * sqrt(1.0 - moved.x), move * move)
+			+ blurredRadiance(scale.y * plane + up * sqrt(1.0 - moved.y), move * move)
+	);
+	#else
 	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations.
 	vec3 mirror = environmentRadiance(reflect(-wo, p.normal), 4.0 * o.z * uRoughness);
+	#endif // BLURRED_LAYERS
 	return arcsOfEnvironment(p, o, mirror);
 }
 #endif // ENVIRONMENT

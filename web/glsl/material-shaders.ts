@@ -1,4 +1,6 @@
+import blurredEnvironment from '../../shaders/blurred-environment.glsl?raw'
 import coat from '../../shaders/coat.glsl?raw'
+import environmentBlur from '../../shaders/environment-blur.frag.glsl?raw'
 import environment from '../../shaders/environment.glsl?raw'
 import fresnel from '../../shaders/fresnel.glsl?raw'
 import gamut from '../../shaders/gamut.glsl?raw'
@@ -16,10 +18,18 @@ import { opticsShaders } from './optics-shaders'
 /** The vertex stage, the same for every surface. */
 export const vertexShader = vertex
 
+const environmentShaders = {
+  'blurred-environment.glsl': blurredEnvironment,
+  'environment.glsl': environment,
+}
+
+/** The fragment stage that fills the layers of shaders/blurred-environment.glsl. */
+export const environmentBlurShader = resolveIncludes(environmentBlur, environmentShaders)
+
 /** The fragment stages that fill the table of shaders/planar-environment.glsl, the same for all gratings. */
 export const planarBlurShader = resolveIncludes(planarBlur, {
   ...opticsShaders,
-  'environment.glsl': environment,
+  ...environmentShaders,
 })
 export const planarEnvironmentShader = resolveIncludes(planarEnvironment, opticsShaders)
 
@@ -27,8 +37,8 @@ export const planarEnvironmentShader = resolveIncludes(planarEnvironment, optics
 export function fragmentShader(surface: Surface, source: string = fragment): string {
   return resolveIncludes(source, {
     ...surface.glslFiles,
+    ...environmentShaders,
     'coat.glsl': coat,
-    'environment.glsl': environment,
     'fresnel.glsl': fresnel,
     'gamut.glsl': gamut,
     'lights.glsl': lights,

@@ -58,6 +58,7 @@ export function heightFieldOptics(
       ...pattern.uniforms,
     },
     // Samples are merged over wavelengths: there are no others in between.
+    blursEnvironment: false,
     environmentRefinement: null,
     environmentUniforms: () => ({
       uEnvironmentSamples: {

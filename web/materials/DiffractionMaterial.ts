@@ -39,7 +39,8 @@ import type {
 } from '../surfaces/surface'
 import { angularRadius, oneOf, positive, within } from '../validation'
 import { CHOSEN_SETTINGS, choiceForError } from './error-choice'
-import { checkEnvironment, environmentMap } from './environment-map'
+import { BLURRED_LAYERS, BlurredEnvironment } from './blurred-environment'
+import { checkEnvironment, environmentMap, type EnvironmentMap } from './environment-map'
 import { describeFeatures } from './features'
 import { assertLightLoops } from './light-order'
 import { OpticsLoader } from './optics-loader'
@@ -110,6 +111,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   #largestRadius = -1
   #environmentRepaired = 0
   readonly #planar = new PlanarEnvironment()
+  readonly #blurred = new BlurredEnvironment()
+  #blursEnvironment = false
   #opticsVersion = 0
   #surface: Surface
   #surfaceVersion = -1
@@ -377,6 +380,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       environmentFeatures: this.#environmentFeatures,
       environmentRepaired: this.#environmentRepaired,
       planarWhy: this.#planar.why,
+      blurWhy: this.#blurWhy,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
       opticsError: this.#optics.error,
@@ -399,15 +403,17 @@ export class DiffractionMaterial extends ShaderMaterial {
     super.onBeforeRender(renderer, scene, camera, geometry, object, group)
     this.#followSurface()
     this.#followLights(renderer, scene, camera)
-    this.#followEnvironment(scene)
+    const environment = this.#followEnvironment(scene)
     this.#followTextures()
     this.#followPlane(renderer, camera, geometry, object)
+    this.#followBlur(renderer, camera, environment)
     this.#setNumber('uOpacity', this.opacity)
   }
 
   override dispose(): void {
     super.dispose()
     this.#planar.dispose()
+    this.#blurred.dispose()
     for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
   }
 
@@ -465,6 +471,8 @@ export class DiffractionMaterial extends ShaderMaterial {
       uEnvironmentIntensity: { value: 1 },
       uEnvironmentTexel: { value: 1 },
       uPlanarEnvironment: { value: null },
+      uBlurredLayers: { value: null },
+      uBlurUnit: { value: 1 },
       map: { value: null },
       mapTransform: { value: new Matrix3() },
       normalMap: { value: null },
@@ -561,6 +569,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#environmentFeatures = optics.environmentFeatures
     this.#environmentUniforms = environmentUniforms
     this.#environmentRefinement = optics.environmentRefinement
+    this.#blursEnvironment = optics.blursEnvironment
     this.#refinementFrames = 0
     this.#underLights = underLights
     this.#largestRadius = -1
@@ -613,14 +622,14 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   /** The material's environment before the scene's, as for three's own materials. */
-  #followEnvironment(scene: Scene): void {
+  #followEnvironment(scene: Scene): EnvironmentMap | null {
     const isOwn = this.#envMap !== null
     const given = this.#envMap ?? environmentOf(scene)
     const environment = given === null ? null : environmentMap(given)
     this.#setDefine('ENVIRONMENT_EQUIRECT', environment !== null && !environment.isCube)
     this.#setDefine('ENVIRONMENT_CUBE', environment?.isCube === true)
     this.#environmentRepaired = environment?.repaired ?? 0
-    if (environment === null) return
+    if (environment === null) return null
     if (this.#environmentUniforms !== null) {
       this.#takeUniforms(this.#environmentUniforms())
       this.#environmentUniforms = null
@@ -638,6 +647,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       'uEnvironmentIntensity',
       isOwn ? this.envMapIntensity : scene.environmentIntensity,
     )
+    return environment
   }
 
   #followRefinement(frame: RefinementFrame | null): void {
@@ -677,6 +687,25 @@ export class DiffractionMaterial extends ShaderMaterial {
       })
     uniforms.uPlanarEnvironment!.value = this.#planar.texture
     this.#setDefine('PLANAR_TEXELS', isIn && floatLiteral(PLANAR_TEXELS))
+  }
+
+  /** After the flat table, in whose place the nodes are read. */
+  #followBlur(renderer: WebGLRenderer, camera: Camera, environment: EnvironmentMap | null): void {
+    const { defines, uniforms, roughness } = this
+    const isIn =
+      'DIFFRACTION' in defines &&
+      this.#blursEnvironment &&
+      !('PLANAR_TEXELS' in defines) &&
+      this.#blurred.follow({ renderer, camera, environment, roughness })
+    uniforms.uBlurredLayers!.value = this.#blurred.texture
+    this.#setNumber('uBlurUnit', isIn ? BlurredEnvironment.unit(roughness) : 1)
+    this.#setDefine('BLURRED_LAYERS', isIn && BLURRED_LAYERS)
+  }
+
+  get #blurWhy(): string {
+    if (!this.#blursEnvironment) return 'the surface is smooth, or its method blurs by mip levels'
+    if ('PLANAR_TEXELS' in this.defines) return 'a flat surface has its table'
+    return this.#blurred.why
   }
 
   #planarObstacle(): string | null {

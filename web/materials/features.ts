@@ -12,6 +12,8 @@ interface MaterialState {
   environmentRepaired: number
   /** Why a flat mesh's table is in or out. */
   planarWhy: string
+  /** Why the environment comes blurred for the roughness or not. */
+  blurWhy: string
   diffraction: boolean
   opticsState: 'loading' | 'ready' | 'failed'
   opticsError: DiffractionError | null
@@ -80,6 +82,12 @@ export function describeFeatures(state: MaterialState): Feature[] {
       isIn('PLANAR_TEXELS'),
       state.planarWhy,
       state.planarWhy,
+    ),
+    choose(
+      'environment blurred for the roughness',
+      isIn('BLURRED_LAYERS'),
+      state.blurWhy,
+      state.blurWhy,
     ),
     choose('gamut mapping', state.gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
     ...Object.entries(state.textures).map(([name, texture]) =>

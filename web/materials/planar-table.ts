@@ -29,7 +29,7 @@ const BLUR_LAYERS = 3
 const X_AXIS = new Vector2(1, 0)
 const Y_AXIS = new Vector2(0, 1)
 
-const { taps, width } = gaussianTaps(17)
+const { taps, width } = gaussianTaps(17, true)
 
 /** What a grating's radiance is computed from, besides plane and grating. */
 export interface PlanarOptics {
@@ -131,7 +131,7 @@ function blurTarget(): WebGL3DRenderTarget {
 
 /** Gives a program the material's optics and what both programs share. */
 function take(material: ShaderMaterial, { defines, uniforms }: PlanarOptics, plane: Matrix3): void {
-  const wanted = {
+  const wanted: Record<string, unknown> = {
     ...defines,
     PLANAR_TEXELS: floatLiteral(PLANAR_TEXELS),
     BLUR_TEXELS: floatLiteral(BLUR_TEXELS),
@@ -139,6 +139,8 @@ function take(material: ShaderMaterial, { defines, uniforms }: PlanarOptics, pla
     BLUR_TAPS: taps.length,
     TAP_WIDTH: floatLiteral(width),
   }
+  // What fills the table blurs by itself.
+  delete wanted.BLURRED_LAYERS
   if (JSON.stringify(wanted) !== JSON.stringify(material.defines)) {
     material.defines = wanted
     material.needsUpdate = true

@@ -77,6 +77,7 @@ export function gratingOptics(tables: GratingTables, settings: GratingOpticsSett
       },
       uEnvironmentStart: { value: 0 },
     }),
+    blursEnvironment: settings.roughness > 0 && !isLoop,
     environmentRefinement: isLoop ? null : refinement(spectra, settings.environmentNodes),
   }
 }

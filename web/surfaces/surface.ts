@@ -79,6 +79,8 @@ export interface Optics {
   environmentUniforms: () => Record<string, IUniform>
   /** How it is read in the frames of a progressive refinement; null: as in any other. */
   environmentRefinement: EnvironmentRefinement | null
+  /** Whether it reads the environment blurred for its roughness: shaders/blurred-environment.glsl. */
+  blursEnvironment: boolean
   /** What of the optics depends on the largest angular radius of the lights in the scene, rad. */
   underLights: (angularRadius: number) => LightOptics
 }

@@ -27,9 +27,11 @@ export interface PlanarFrame {
   /** Whether the table was read, and what the material says of it. */
   included: boolean
   why: string
+  /** Likewise of the layers of the blurred environment. */
+  blur: { included: boolean; why: string }
   /** Programs that the renderer holds after the frame. */
   programs: number
-  /** Calls of `render` within the frame's own: what it took to make the table. */
+  /** Calls of `render` within the frame's own: what it took to make the table or the layers. */
   inner: number
   /** Linear sRGB and coverage, rows from the bottom. */
   pixels: number[]
@@ -66,14 +68,16 @@ export async function drawPlanarFrames(
         render(...args)
       }
       renderer.render(built.scene, built.camera)
-      const feature = built.mesh.material
-        .explain()
-        .find((entry) => entry.feature === 'table of the environment for a flat surface')!
+      const features = built.mesh.material.explain()
+      const explained = (name: string): { included: boolean; why: string } =>
+        features.find(({ feature }) => feature === name)!
+      const table = explained('table of the environment for a flat surface')
       const pixels = new Float32Array(4 * description.size[0] * description.size[1])
       renderer.readRenderTargetPixels(target, 0, 0, ...description.size, pixels)
       frames.push({
-        included: feature.included,
-        why: feature.why,
+        included: table.included,
+        why: table.why,
+        blur: explained('environment blurred for the roughness'),
         programs: renderer.info.programs!.length,
         inner,
         pixels: Array.from(pixels),
