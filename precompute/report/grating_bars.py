@@ -43,6 +43,9 @@ def grating_bars(report: Report, results: dict[str, SceneResult]) -> Iterator[Ba
         yield from worst(asked, [(row.scene, getattr(row, figure)) for row in rows], limit)
     albedos = [(e.case, e.max_albedo) for e in report.furnaces() if e.max_albedo is not None]
     yield from worst("white furnace, largest albedo over the metal's", albedos, 1.001, ".5f")
+    for asked, figure in (("not finite", "non_finite"), ("negative", "negative_energy")):
+        counts = [(entry.case, getattr(entry, figure)) for entry in report.edges()]
+        yield from worst(f"closed form at the edges, {asked}", counts, 0)
     arcs_of = {
         name: result
         for name, result in results.items()

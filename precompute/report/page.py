@@ -42,6 +42,7 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
             ["case", "pixels", "not finite", "negative", "largest", "RMS from 1"],
             [_stability_cells(entry, ".5f") for entry in report.furnaces()],
         ),
+        *_grating_edges(report),
         *_height_field_stability(report),
         *_table_memory(results),
         *_bake_cost(report.bake_cost),
@@ -122,6 +123,19 @@ def _stability_cells(entry: Stability, digits: str) -> list[str]:
         "–" if albedo is None else format(albedo, digits),
         "–" if error is None else f"{error:.2g}",
     ]
+
+
+def _grating_edges(report: Report) -> list[str]:
+    if not report.edges():
+        return []
+    text = """Radiance of the closed form, from the tables that the shader reads, against the
+reference; half of the views are in a lobe. A sinusoid of 1.66 µm, 0.15 µm high, but for what a line
+says. Powers of orders are added: where the coherence is shorter than the period they interfere.
+The shader itself is driven to these edges, and to those of meshes, uv and scale, by `npm test`.
+"""
+    header = ["case", "pairs", "not finite", "negative", "largest", "relative RMSE"]
+    rows = [_stability_cells(entry, ".5f") for entry in report.edges()]
+    return ["## Gratings at the edges\n", text, _table(header, rows)]
 
 
 def _height_field_stability(report: Report) -> list[str]:

@@ -201,6 +201,13 @@ class Report(_Entry):
 
     def furnaces(self) -> list[Stability]:
         """The white furnaces, which are drawn by the closed form."""
+        return [entry for entry in self._gratings() if entry.max_albedo is not None]
+
+    def edges(self) -> list[Stability]:
+        """The closed form of gratings at the edges."""
+        return [entry for entry in self._gratings() if entry.max_albedo is None]
+
+    def _gratings(self) -> list[Stability]:
         return [entry for entry in self.stability if entry.method == "closed-form"]
 
     def to_json(self) -> str:

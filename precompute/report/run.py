@@ -20,6 +20,7 @@ from precompute.report import browser, left_out, minification
 from precompute.report.bake_cost import SIZES, bake_cost
 from precompute.report.comparison import compare
 from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
+from precompute.report.grating_stability import EDGES, grating_stability
 from precompute.report.left_out import Drawn, forced, left_out_parts, left_out_row
 from precompute.report.measured_errors import measured_errors
 from precompute.report.measurements import MethodResult, SceneResult
@@ -244,7 +245,10 @@ def _drawn(file: Path) -> Drawn:
 
 def _stability(furnaces: dict[str, Rendering], progress: Progress) -> list[Stability]:
     entries = [_furnace_entry(name, measure_furnace(drawn)) for name, drawn in furnaces.items()]
-    with _stage(progress, "Stability", len(CASES) + len(GRAZING)) as advance:
+    with _stage(progress, "Stability", len(EDGES) + len(CASES) + len(GRAZING)) as advance:
+        for edge in EDGES:
+            entries.append(grating_stability(edge))
+            advance(edge.case)
         for case in CASES:
             entries.append(series_stability(*case))
             advance(entries[-1].case)

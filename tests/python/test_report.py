@@ -26,6 +26,8 @@ from precompute.report.bars import Bar, worst
 from precompute.report.browser import ROOT
 from precompute.report.comparison import Comparison, compare
 from precompute.report.furnace import measure_furnace
+from precompute.report.grating_stability import Edge, grating_stability
+from precompute.report.grating_stability import compared as radiance_compared
 from precompute.report.left_out import Drawn, forced, left_out_parts, left_out_row
 from precompute.report.measured_errors import MeasuredErrors, measured_errors, surface_class
 from precompute.report.measurements import MethodResult, SceneResult
@@ -513,6 +515,40 @@ def test_where_taylor_is_refused_the_row_says_so_and_the_page_too() -> None:
     assert "refused" not in rows[0]
     assert rows[1]["rel_rmse"] is None and rows[1]["max_albedo"] is None
     assert "refused, asking for jacobi-anger: at x = k w Δ = 20.0" in index_page(report, {}, [])
+
+
+def test_the_edges_of_gratings_are_measured_and_on_the_page() -> None:
+    near, short = (
+        grating_stability(Edge("tilted", {"roughness": 0.01745}, degrees=(80, 89.99), pairs=40)),
+        # Neighbouring orders interfere, which powers that are added cannot show.
+        grating_stability(Edge("short", {"coherence": 0.4}, pairs=40)),
+    )
+    for entry in (near, short):
+        assert (entry.samples, entry.non_finite, entry.negative_energy) == (40, 0, 0)
+    assert near.rel_rmse is not None and short.rel_rmse is not None
+    assert near.rel_rmse < 0.01 < short.rel_rmse
+    report = Report(backend="", threads=1, rows=[], stability=[near, short])
+    assert report.furnaces() == []
+    page = index_page(report, {}, [])
+    assert "| tilted | 40 | 0 | 0 | – |" in page
+    assert "closed form at the edges, not finite | ≤ 0 | 0 | met" in page
+
+
+def test_planted_errors_of_radiance_are_seen() -> None:
+    exact = np.array([[1.0, 2, 3], [0.5, 1, 1.5]])
+    assert radiance_compared(exact, exact) == {
+        "non_finite": 0,
+        "negative_energy": 0,
+        "rel_rmse": 0.0,
+    }
+    scaled = radiance_compared(1.01 * exact, exact)
+    assert scaled["rel_rmse"] == pytest.approx(0.01, rel=1e-6)
+    dark = radiance_compared(exact * [[1], [-1]], exact)
+    assert dark["negative_energy"] == 1
+    missing = exact.copy()
+    missing[0, 2] = np.nan
+    assert radiance_compared(missing, exact)["non_finite"] == 1
+    assert radiance_compared(missing, exact)["rel_rmse"] is None
 
 
 def test_planted_errors_of_amplitudes_are_seen() -> None:
