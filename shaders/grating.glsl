@@ -141,6 +141,19 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 }
 
 #ifdef ENVIRONMENT
+#ifdef BLURRED_LAYERS
+// Radiance (linear sRGB) of an order that tilts of deviation δ move by w δ on all sides in the plane: as an angle that is as
+// much across, and 1/cosθ of it along the radius. What is more than a round blur is to move outwards or inwards; of many
+// readings half do the one, half the other (docs/theory.md, section 6). plane: the direction's part in the surface, up: the
+// normal, both in the environment's axes; squared: |plane|²; move: ± w δ; spread: of the reading itself, a variance, rad².
+vec3 tiltedRadiance(vec3 plane, vec3 up, float squared, float move, float spread) {
+	// Held at the horizon.
+	float scale = min(1.0 + move, inversesqrt(max(squared, 1e-12)));
+	float z = sqrt(max(1.0 - scale * scale * squared, 0.0));
+	return blurredRadiance(scale * plane + z * up, move * move + spread);
+}
+#endif // BLURRED_LAYERS
+
 #ifdef WAVELENGTH_LOOP
 // The papers' method: at each wavelength the mean of what the propagating orders see, weighted by their efficiencies.
 // XYZ. o: ω_o in the grating's frame; mirror: radiance that order 0 sees, linear sRGB.
@@ -188,6 +201,7 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	float open = 1.0 - o.y * o.y;
 	#ifdef BLURRED_LAYERS
 	float unit = 1.0;
+	int frame = uEnvironmentStart / ENVIRONMENT_NODES;
 	#else
 	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations, in texels here.
 	float unit = 2.0 / uEnvironmentTexel;
@@ -223,13 +237,10 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 			efficiency *= energyFactor(vec3(x, -o.y, z), o, s, width, p.frequency);
 			#endif // ENERGY
 			#ifdef BLURRED_LAYERS
-			// Tilts move the direction in the plane by w δ on all sides: as an angle that is as much across, and 1/z of it along
-			// the radius. What is more than a round blur is to move outwards and inwards, at every other node.
-			float move = w * uRoughness;
-			float scale = 1.0 + (((j ^ m) & 1) == 0 ? move : -move);
-			float moved = min(scale * scale * (1.0 - z2), 1.0);
-			vec3 i = scale * (across * x + along) + up * sqrt(1.0 - moved);
-			seen += efficiency * blurredRadiance(i, order * order * arc2 / max(z2, 0.0025) + move * move);
+			// Outwards and inwards at every other node, order and frame.
+			float move = ((j ^ m ^ frame) & 1) == 0 ? w * uRoughness : -w * uRoughness;
+			float spread = order * order * arc2 / max(z2, 0.0025);
+			seen += efficiency * tiltedRadiance(across * x + along, up, 1.0 - z2, move, spread);
 			#else
 			float level = environmentLevel(order * order * arc2 / max(z2, 0.0025) + tilt2 * w * w);
 			#ifndef ROUGH
@@ -254,14 +265,12 @@ vec3 gratingRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	vec3 o = inFrame(p, wo);
 	if (o.z <= 0.0) return vec3(0.0);
 	#ifdef BLURRED_LAYERS
-	float move = 2.0 * o.z * uRoughness;
-	vec2 scale = vec2(1.0 + move, 1.0 - move);
-	vec2 moved = min(scale * scale * (1.0 - o.z * o.z), 1.0);
 	vec3 plane = -o.x * inEnvironment(p.tangent) - o.y * inEnvironment(p.bitangent);
 	vec3 up = inEnvironment(p.normal);
+	float squared = 1.0 - o.z * o.z;
+	float move = 2.0 * o.z * uRoughness;
 	vec3 mirror = 0.5 * (
-		blurredRadiance(scale.x * plane + up * sqrt(1.0 - moved.x), move * move)
-			+ blurredRadiance(scale.y * plane + up * sqrt(1.0 - moved.y), move * move)
+		tiltedRadiance(plane, up, squared, move, 0.0) + tiltedRadiance(plane, up, squared, -move, 0.0)
 	);
 	#else
 	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations.

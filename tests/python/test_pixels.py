@@ -107,6 +107,7 @@ FRAMES = (1, 4, 16)
 REFINED: dict[str, tuple[str, dict[str, Any]]] = {
     "studio": ("environment-studio", CLOSED),
     "night": ("environment-night", CLOSED),
+    "card, 1°": ("flat-grating-rough", CLOSED),
     # The papers' nodes are the same in each frame.
     "studio, all frames alike": ("environment-studio", LOOP | {"environmentNodes": 12}),
 }
@@ -129,7 +130,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             # Pixels' centres stay where the reference has them.
             descriptions[f"{name}, {frames}"] = description | {
                 "size": (16, 16),
-                "material": method,
+                "material": description.get("material", {}) | method,
                 "refinement": {"frames": frames, "antialias": False},
             }
     for profile in PROFILES:
@@ -173,6 +174,12 @@ def test_a_picture_at_rest_goes_to_the_reference(
     # Four times the nodes have 1/16 of an error that falls as n⁻²; the frames' own white is left.
     assert four <= one / 8
     assert sixteen <= min(one / 10, 0.0005)
+
+
+def test_a_rough_surface_gains_little_at_rest(refined: dict[str, list[float]]) -> None:
+    # Its blur errs more than its nodes.
+    one, four, sixteen = refined["card, 1°"]
+    assert max(four, sixteen) <= one <= 0.006
 
 
 def test_frames_that_are_all_alike_gain_nothing(refined: dict[str, list[float]]) -> None:
