@@ -23,6 +23,6 @@ void main() {
 			row += uBlurTaps[i].y * environmentTexels(normalize(middle + uDeviation * uBlurTaps[i].x * east), uLevel);
 		sum += uBlurTaps[j].y * row;
 	}
-	// The largest half float: a sun may be brighter.
+	// The largest half float: there may be brighter suns.
 	gl_FragColor = vec4(min(sum, 65504.0), 1.0);
 }

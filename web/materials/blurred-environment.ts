@@ -29,6 +29,9 @@ const SHARPEST = 0.5
 /** A layer blurred by less than its texel gains nothing over the mip levels of the environment. */
 const LEAST_BLUR = 0.5
 
+/** Over what the layers hold: BLURRED_RADIANCE of shaders/blurred-environment.glsl. */
+const RADIANCE = 16
+
 const { taps } = gaussianTaps(7, false)
 
 const TARGET = {
@@ -123,6 +126,7 @@ export class BlurredEnvironment {
     take(this.#blur, false, taps, size)
     Object.assign(this.#copy.uniforms, {
       uEnvironmentMap: { value: environment.texture },
+      uEnvironmentIntensity: { value: 1 / RADIANCE },
       uLevel: { value: Math.log2(texel / environment.texel) },
     })
     // A texel read bilinearly is a triangle of this variance along an axis, and so is what is read of the environment.
