@@ -2,7 +2,7 @@ export { DiffractionError, type DiffractionErrorDetails } from './errors'
 export { loadSharedMap } from './maps/cache'
 export { loadMap, valuesOf, type LoadedMap, type MapArray } from './maps/load'
 export { DiffractionMaterial } from './materials/DiffractionMaterial'
-export { lightTexels } from './materials/light-texels'
+export { lightTexels } from './environment/light-texels'
 export type { DiffractionMaterialOptions, Gamut } from './materials/options'
 export {
   ProgressiveRefinement,

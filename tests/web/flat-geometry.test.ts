@@ -18,8 +18,8 @@ import {
   type Side,
 } from 'three'
 import { describe, expect, it } from 'vitest'
-import { flatFrame } from '../../web/materials/flat-geometry'
-import { meshPlane } from '../../web/materials/mesh-plane'
+import { flatFrame } from '../../web/environment/flat-geometry'
+import { meshPlane } from '../../web/environment/mesh-plane'
 
 /** A plane whose attributes are changed at one vertex. */
 function bent(

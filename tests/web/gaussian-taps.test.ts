@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest'
-import { gaussianTaps } from '../../web/materials/gaussian-taps'
+import { gaussianTaps } from '../../web/environment/gaussian-taps'
 
 it.each([9, 17])('blurs by a deviation of 1 with %i taps, and what each reads', (count) => {
   const { taps, width } = gaussianTaps(count, true)

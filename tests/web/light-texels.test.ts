@@ -1,6 +1,6 @@
 import { DataUtils } from 'three'
 import { describe, expect, it } from 'vitest'
-import { lightTexels } from '../../web/materials/light-texels'
+import { lightTexels } from '../../web/environment/light-texels'
 
 const values = [0, -0, 1.5, -149, NaN, Infinity, -Infinity, 65504]
 const light = [0, 0, 1.5, 0, 0, 65504, 0, 65504]

@@ -20,6 +20,14 @@ import {
   type Scene,
   type WebGLRenderer,
 } from 'three'
+import { BLURRED_LAYERS, BlurredEnvironment } from '../environment/blurred-environment'
+import {
+  checkEnvironment,
+  environmentMap,
+  type EnvironmentMap,
+} from '../environment/environment-map'
+import { PlanarEnvironment } from '../environment/planar-environment'
+import { PLANAR_TEXELS } from '../environment/planar-table'
 import type { DiffractionError } from '../errors'
 import { floatLiteral } from '../glsl/float-literal'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders'
@@ -39,8 +47,6 @@ import type {
 } from '../surfaces/surface'
 import { angularRadius, oneOf, positive, within } from '../validation'
 import { CHOSEN_SETTINGS, choiceForError } from './error-choice'
-import { BLURRED_LAYERS, BlurredEnvironment } from './blurred-environment'
-import { checkEnvironment, environmentMap, type EnvironmentMap } from './environment-map'
 import { describeFeatures } from './features'
 import { assertLightLoops } from './light-order'
 import { OpticsLoader } from './optics-loader'
@@ -51,8 +57,6 @@ import {
   type DiffractionMaterialOptions,
   type Gamut,
 } from './options'
-import { PlanarEnvironment } from './planar-environment'
-import { PLANAR_TEXELS } from './planar-table'
 import { sceneLights } from './scene-lights'
 
 const OWNER = 'DiffractionMaterial'
