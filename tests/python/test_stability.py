@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from precompute.height_fields.term_sum import TermsMethod
 from precompute.height_fields.terms import terms_map
 from precompute.maps import Map
 from precompute.profiles import efficiency
+from precompute.report.grating_stability import Edge, grating_stability
 from precompute.spectra import WAVELENGTH_MAX, WAVELENGTH_MIN
 
 Array = NDArray[np.float64]
@@ -356,3 +358,24 @@ def test_orders_share_the_light(case: Case, polar_deg: float, azimuth_deg: float
 @pytest.mark.parametrize("case", json.loads(CASES.read_text("utf-8")), ids=lambda c: c["kind"])
 def test_what_once_failed(case: Case) -> None:
     CHECKS[case["kind"]](case)
+
+
+SWEEPS: dict[str, tuple[float, float, Callable[[float], Edge]]] = {
+    "roughness, rad": (1e-4, 0.5, lambda x: Edge("", {"roughness": x}, pairs=80)),
+    "angular radius, rad": (1e-4, 0.5, lambda x: Edge("", angular_radius=x, pairs=80)),
+    "height, um": (1e-3, 0.6, lambda x: Edge("", {"height": x}, pairs=80)),
+    "coherence, um": (1.66, 1000, lambda x: Edge("", {"coherence": x}, pairs=80)),
+    "period, um": (0.2, 20, lambda x: Edge("", {"period": x}, pairs=80)),
+}
+"""From its least to its largest value: of one parameter while the others stay as they are."""
+
+
+@pytest.mark.parametrize("parameter", SWEEPS)
+def test_the_closed_forms_error_grows_smoothly(parameter: str) -> None:
+    low, high, edge = SWEEPS[parameter]
+    values = low * (high / low) ** np.linspace(0, 1, 9)
+    errors = np.array([grating_stability(edge(float(value))).rel_rmse for value in values])
+    assert errors.max() < 0.025
+    # From one value to the next, two or three times as large: six times the error at most, or 1.2 %.
+    steps = errors[1:] / np.maximum(errors[:-1], 0.002)
+    assert steps.max() < 6
