@@ -51,7 +51,7 @@ EDGES = (
     Edge("1.66 µm, 0.15 µm high, a point light"),
     Edge("a tenth of a wavelength long", {"period": 0.038}),
     Edge("100 µm long, hundreds of orders", {"period": 100.0, "coherence": 400.0}, pairs=40),
-    Edge("100 µm long, longer than the coherence of 65 µm", {"period": 100.0}, pairs=40),
+    Edge("100 µm long, longer than the coherence of 16.25 µm", {"period": 100.0}, pairs=40),
     Edge("0.6 µm high", {"height": 0.6}),
     Edge("blazed, 0.6 µm high", {"height": 0.6, "profile": {"kind": "blazed"}}),
     Edge("coherence of a quarter of the period", {"coherence": 1.66 / 4}),

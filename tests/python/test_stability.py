@@ -376,6 +376,6 @@ def test_the_closed_forms_error_grows_smoothly(parameter: str) -> None:
     values = low * (high / low) ** np.linspace(0, 1, 9)
     errors = np.array([grating_stability(edge(float(value))).rel_rmse for value in values])
     assert errors.max() < 0.025
-    # From one value to the next, two or three times as large: six times the error at most, or 1.2 %.
+    # Each value is two or three times the one before: its error at most six times, or 1.2 %.
     steps = errors[1:] / np.maximum(errors[:-1], 0.002)
     assert steps.max() < 6
