@@ -26,8 +26,11 @@ export const BLURRED_LAYERS = 8
  */
 const SHARPEST = 0.5
 
-/** A layer blurred by less than its texel gains nothing over the mip levels of the environment. */
+/** A surface that blurs by less than this share of a texel gains nothing over the mip levels of the environment. */
 const LEAST_BLUR = 0.5
+
+/** Texels along the horizon, at most: 34 MB of layers. */
+const MOST_TEXELS = 1024
 
 /** Over what the layers hold: BLURRED_RADIANCE of shaders/blurred-environment.glsl. */
 const RADIANCE = 16
@@ -101,7 +104,8 @@ export class BlurredEnvironment {
   #obstacle({ renderer, environment, roughness }: BlurDraw): string | null {
     if (environment === null) return 'there is no environment'
     if (roughness === 0) return 'the surface is smooth'
-    if (roughness < LEAST_BLUR * environment.texel) return 'the blur is less than a texel'
+    if (roughness < LEAST_BLUR * texelOf(environment, roughness))
+      return 'the blur is less than a texel'
     if (environment.texture.isRenderTargetTexture)
       return 'the environment is drawn, and may change unseen'
     if (!drawsHalfFloats(renderer)) return 'the device cannot draw to half floats'
@@ -112,7 +116,7 @@ export class BlurredEnvironment {
     const sharpest = SHARPEST * roughness
     const gl = renderer.getContext() as WebGL2RenderingContext
     const longest = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number
-    const texel = Math.max(environment.texel, sharpest, (2 * Math.PI) / longest)
+    const texel = Math.max(texelOf(environment, roughness), (2 * Math.PI) / longest)
     const height = Math.round(Math.PI / texel)
     const [width, unit] = [2 * height, sharpest ** 2]
     this.#layers?.dispose()
@@ -154,6 +158,11 @@ export class BlurredEnvironment {
       to.dispose()
     }
   }
+}
+
+/** Of the layers, rad: the environment's own, or what their blur and memory ask for. */
+function texelOf({ texel }: EnvironmentMap, roughness: number): number {
+  return Math.max(texel, SHARPEST * roughness, (2 * Math.PI) / MOST_TEXELS)
 }
 
 function take(material: ShaderMaterial, isCube: boolean, taps: Vector2[], size: Vector2): void {
