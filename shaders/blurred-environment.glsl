@@ -4,7 +4,7 @@
 #ifdef BLURRED_LAYERS
 
 uniform highp sampler3D uBlurredLayers;  // equirectangular, linear sRGB over BLURRED_RADIANCE, the first without blur
-uniform float uBlurUnit;                      // 1 over the second layer's variance, 1/rad²
+uniform float uBlurUnit;                 // 1 over the second layer's variance, 1/rad²
 
 // Radiance of 1 in the layers, which are half floats: suns are brighter than 65504.
 #define BLURRED_RADIANCE 16.0

@@ -200,13 +200,13 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	vec3 up = inEnvironment(p.normal);
 	float open = 1.0 - o.y * o.y;
 	#ifdef BLURRED_LAYERS
-	float unit = 1.0;
+	float unit = 1.0;  // variances are in rad²
 	int frame = uEnvironmentStart / ENVIRONMENT_NODES;
 	#else
 	// A mip level read bilinearly blurs as a Gaussian of half its texel: footprint = 2 standard deviations, in texels here.
 	float unit = 2.0 / uEnvironmentTexel;
-	#endif // BLURRED_LAYERS
 	float tilt2 = unit * uRoughness * unit * uRoughness;
+	#endif // BLURRED_LAYERS
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, uEnvironmentStart + j);

@@ -11,6 +11,12 @@ it.each([9, 17])('blurs by a deviation of 1 with %i taps, and what each reads', 
   expect(moment(2) + own).toBeCloseTo(1, 12)
 })
 
+it('blurs by a deviation of 1 where what each tap reads is not blurred', () => {
+  const { taps } = gaussianTaps(7, false)
+  expect(taps.reduce((sum, { y }) => sum + y, 0)).toBeCloseTo(1, 12)
+  expect(taps.reduce((sum, { x, y }) => sum + y * x * x, 0)).toBeCloseTo(1, 12)
+})
+
 it('has the fourth moment of a Gaussian, 3, but for its tails', () => {
   const { taps } = gaussianTaps(17, true)
   const fourth = taps.reduce((sum, { x, y }) => sum + y * x ** 4, 0)

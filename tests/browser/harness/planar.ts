@@ -1,9 +1,13 @@
 import {
+  CubeTexture,
+  DataTexture,
   FloatType,
+  LinearFilter,
   MathUtils,
   Mesh,
   MeshBasicMaterial,
   PlaneGeometry,
+  RGBAFormat,
   Vector4,
   WebGLRenderTarget,
   type WebGLRenderer,
@@ -18,6 +22,8 @@ export interface PlanarStep {
   /** Turns the environment about the vertical, rad. */
   environmentTurn?: number
   roughness?: number
+  /** A cube whose faces differ in colour, in the place of the environment. */
+  cube?: true
   orientation?: number
   /** Another mesh of the same material and geometry in the picture, or none. */
   companion?: Pick<MeshDescription, 'position' | 'rotation_deg' | 'scale'> | null
@@ -101,6 +107,7 @@ function take({ scene, mesh }: BuiltScene, companion: Mesh, step: PlanarStep): v
   }
   if (step.environmentTurn !== undefined) scene.environmentRotation.y = step.environmentTurn
   if (step.roughness !== undefined) mesh.material.roughness = step.roughness
+  if (step.cube) scene.environment = colouredCube()
   if (step.orientation !== undefined)
     (mesh.material.surface as unknown as { orientation: number }).orientation = step.orientation
   if (step.companion === null) scene.remove(companion)
@@ -108,4 +115,23 @@ function take({ scene, mesh }: BuiltScene, companion: Mesh, step: PlanarStep): v
     placeMesh(companion, step.companion as MeshDescription)
     scene.add(companion)
   }
+}
+
+const CUBE_TEXELS = 64
+
+function colouredCube(): CubeTexture {
+  const faces = [1, 2, 3, 4, 5, 6].map((bits) => {
+    const data = new Float32Array(4 * CUBE_TEXELS ** 2)
+    for (let i = 0; i < data.length; i += 4)
+      data.set([bits & 1 ? 1 : 0.1, bits & 2 ? 1 : 0.1, bits & 4 ? 1 : 0.1, 1], i)
+    const face = new DataTexture(data, CUBE_TEXELS, CUBE_TEXELS, RGBAFormat, FloatType)
+    face.needsUpdate = true
+    return face
+  })
+  const cube = new CubeTexture(faces as unknown as HTMLImageElement[])
+  cube.format = RGBAFormat
+  cube.type = FloatType
+  cube.minFilter = cube.magFilter = LinearFilter
+  cube.needsUpdate = true
+  return cube
 }
