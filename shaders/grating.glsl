@@ -13,9 +13,20 @@ uniform int uEnvironmentStart;  // column of the first node
 // Standard deviation of a node's band, a box, over its width.
 #define BAND_DEVIATION 0.2886751
 
+// Covariance of order m's lobe in spatial frequency, 1/µm²: that of every lobe, and m² times that of the grating vectors
+// about their mean. blur: of lobeBlur; s: a wavenumber in 1/µm.
+vec3 orderCovariance(SurfacePoint p, vec3 blur, float s, float m) {
+	vec3 covariance = lobeCovariance(blur, s);
+	#ifdef GRATING_SPREAD
+	covariance.xy += m * m * p.spread;
+	#endif // GRATING_SPREAD
+	return covariance;
+}
+
 #ifdef WAVELENGTH_LOOP
 // The seed's method: Σ over wavelengths and all orders of S e_m N(s(u, v) − (m/a, 0); C) ds, XYZ in 1/sr.
-vec3 lobesByWavelength(vec3 wi, vec3 wo, float angularRadius, float frequency, vec3 tint) {
+vec3 lobesByWavelength(SurfacePoint p, vec3 wi, vec3 wo, float angularRadius, vec3 tint) {
+	float frequency = p.frequency;
 	vec3 uvw = wi + wo;
 	vec3 xyz = vec3(0.0);
 	for (int i = 0; i < LIGHT_NODES; i++) {
@@ -25,7 +36,7 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, float angularRadius, float frequency, v
 		for (int m = -MAX_ORDER; m <= MAX_ORDER; m++) {
 			float g = float(m) * frequency;
 			float w = orderDepth(uvw, wo, g / s);
-			vec3 c = lobeCovariance(lobeBlur(wi, w, angularRadius), s);
+			vec3 c = orderCovariance(p, lobeBlur(wi, w, angularRadius), s, float(m));
 			float sharpness = inversesqrt(c.x * c.y - c.z * c.z);
 			vec2 f = sharpness * (s * uvw.xy - vec2(g, 0.0));
 			float exponent = 0.5 * (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y);
@@ -49,8 +60,9 @@ vec3 lobesByWavelength(vec3 wi, vec3 wo, float angularRadius, float frequency, v
 //   orders at each, else no other order can be wide.
 // Both share one loop body: a program that runs both sides of a branch, as software and divergent pixels do, pays once.
 vec3 lobesInClosedForm(
-	vec3 wi, vec3 wo, float angularRadius, float frequency, ivec2 orders, bool wide, vec3 tint
+	SurfacePoint p, vec3 wi, vec3 wo, float angularRadius, ivec2 orders, bool wide, vec3 tint
 ) {
+	float frequency = p.frequency;
 	vec3 uvw = wi + wo;
 	float u = uvw.x, v = uvw.y;
 	vec3 xyz = vec3(0.0);
@@ -62,7 +74,7 @@ vec3 lobesInClosedForm(
 		// C depends on s through the blur; for a narrow lobe it is taken where the sharp one would have its middle.
 		float s = wide ? 1.0 / node.wavelength : clamp(g * u / (u * u + v * v), WAVENUMBER_MIN, WAVENUMBER_MAX);
 		float w = orderDepth(uvw, wo, g / s);
-		vec3 c = lobeCovariance(lobeBlur(wi, w, angularRadius), s);
+		vec3 c = orderCovariance(p, lobeBlur(wi, w, angularRadius), s, float(m));
 		float sharpness = inversesqrt(c.x * c.y - c.z * c.z);  // 1/√(det C)
 		float adjugate = c.y * u * u - 2.0 * c.z * u * v + c.x * v * v;  // dᵀC⁻¹d · det C
 		float width = wide ? BAND_DEVIATION * s * s * node.bandwidth : inversesqrt(adjugate) / sharpness;
@@ -71,7 +83,8 @@ vec3 lobesInClosedForm(
 			// To first order in its relative variance a blurred lobe, a Gaussian in wavelength, is one in wavenumber that is
 			// shifted and widened by as much as the blur's share of it.
 			float middle = g * (c.y * u - c.z * v) / adjugate;
-			float skew = (1.0 - uWindowVariance / c.x) * width * width / max(middle * middle, 0.25);
+			float blurred = c.x - orderCovariance(p, vec3(0.0), s, float(m)).x;
+			float skew = blurred / c.x * width * width / max(middle * middle, 0.25);
 			color = lobeColor(middle * (1.0 + skew), width * (1.0 + 4.0 * skew), tint);
 		}
 		float across = 0.5 * g * g * v * v / adjugate;  // a narrow lobe's exponent
@@ -83,7 +96,7 @@ vec3 lobesInClosedForm(
 			if (wide) {
 				float offset = float(j) * frequency;
 				w = orderDepth(uvw, wo, offset / s);
-				c = lobeCovariance(lobeBlur(wi, w, angularRadius), s);
+				c = orderCovariance(p, lobeBlur(wi, w, angularRadius), s, float(j));
 				sharpness = inversesqrt(c.x * c.y - c.z * c.z);
 				vec2 f = sharpness * (s * uvw.xy - vec2(offset, 0.0));
 				exponent = 0.5 * (c.y * f.x * f.x - 2.0 * c.z * f.x * f.y + c.x * f.y * f.y);
@@ -115,17 +128,27 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	if (i.z <= 0.0 || o.z <= 0.0 || p.frequency <= 0.0) return vec3(0.0);
 	vec3 uvw = i + o;
 	#ifdef WAVELENGTH_LOOP
-	return i.z * lobesByWavelength(i, o, light.angularRadius, p.frequency, light.color);
+	return i.z * lobesByWavelength(p, i, o, light.angularRadius, light.color);
 	#else
 	// A pixel far from the line v = 0 sees no order at any visible wavelength: the lobe is widest at the longest one.
 	float sLow = WAVENUMBER_MIN, sHigh = WAVENUMBER_MAX;
 	// No order's w is more than wo.z + 1.
 	float varianceV = uWindowVariance / (sLow * sLow) + lobeBlur(i, o.z + 1.0, light.angularRadius).y;
+	#ifdef GRATING_SPREAD
+	// No order lies further out than m λ/a = 2.
+	varianceV += 4.0 / (p.frequency * p.frequency) * p.spread.y;
+	#endif // GRATING_SPREAD
 	if (uvw.y * uvw.y > 2.0 * EXPONENT_CUT * varianceV) return vec3(0.0);
 	// Largest standard deviation of a lobe in spatial frequency.
 	float tilt = uvw.z * uRoughness;
-	float spread = sqrt(uWindowVariance + sHigh * sHigh * (tilt * tilt + light.angularRadius * light.angularRadius));
+	float variance = uWindowVariance + sHigh * sHigh * (tilt * tilt + light.angularRadius * light.angularRadius);
 	float rho = length(uvw.xy);
+	#ifdef GRATING_SPREAD
+	// Of the highest order in reach.
+	float highest = min(sHigh * rho * rho / (max(abs(uvw.x), 1e-6) * p.frequency), float(MAX_ORDER));
+	variance += highest * highest * p.spread.x;
+	#endif // GRATING_SPREAD
+	float spread = sqrt(variance);
 	bool wide = spread > LOBE_WIDTH_MAX * rho;
 	// Orders m/a in reach, for u ≥ 0. Wide: s·u within the exponent's cut for some visible
 	// s. Narrow: the lobe's middle (m/a) u/ρ² within its table's margin of the visible range.
@@ -136,7 +159,7 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 	range = clamp(range, -float(MAX_ORDER), float(MAX_ORDER));
 	ivec2 orders = ivec2(ceil(range.x), floor(range.y));
 	if (orders.x > orders.y) return vec3(0.0);
-	return i.z * lobesInClosedForm(i, o, light.angularRadius, p.frequency, orders, wide, light.color);
+	return i.z * lobesInClosedForm(p, i, o, light.angularRadius, orders, wide, light.color);
 	#endif // WAVELENGTH_LOOP
 }
 
@@ -207,6 +230,9 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 	float unit = 2.0 / uEnvironmentTexel;
 	float tilt2 = unit * uRoughness * unit * uRoughness;
 	#endif // BLURRED_LAYERS
+	#ifdef GRATING_SPREAD
+	float spread2 = unit * unit * max(p.spread.x, p.spread.y);
+	#endif // GRATING_SPREAD
 	vec3 xyz = vec3(0.0);
 	for (int j = 0; j < ENVIRONMENT_NODES; j++) {
 		SpectralNode node = spectralNode(uEnvironmentNodes, uEnvironmentStart + j);
@@ -217,6 +243,9 @@ vec3 arcsOfEnvironment(SurfacePoint p, vec3 o, vec3 mirror) {
 		// The share of the first order's arc is a box of that length in the plane, 1/√12 of it its standard deviation.
 		float arc = ARC_FILTER * p.frequency * node.bandwidth * unit;
 		float arc2 = arc * arc / 12.0;
+		#ifdef GRATING_SPREAD
+		arc2 += node.wavelength * node.wavelength * spread2;
+		#endif // GRATING_SPREAD
 		float phase = reliefPhase(1.0, s);
 		float efficiency = orderEfficiency(0, 2.0 * o.z * phase);
 		float total = efficiency;

@@ -40,7 +40,7 @@ void main() {
 	SurfacePoint p = SurfacePoint(
 		uGrating.x * uPlane[0] + uGrating.y * uPlane[1],
 		uGrating.x * uPlane[1] - uGrating.y * uPlane[0],
-		uPlane[2], uGrating.z, 1.0
+		uPlane[2], uGrating.z, 1.0, vec2(0.0)
 	);
 	vec3 o = hemisphereFromSquare(gl_FragCoord.xy / PLANAR_TEXELS, PLANAR_TEXELS);
 	// At the rim itself nothing is seen; what is filtered there is seen a little above it.

@@ -6,6 +6,7 @@ struct SurfacePoint {
 	vec3 normal;      // towards the viewer's side, unit length; the three are orthonormal
 	float frequency;  // 1/period, 1/µm
 	float strength;   // share of the surface that diffracts, 0 to 1
+	vec2 spread;      // variances of grating vectors about their mean, along and across it, 1/µm²; read where GRATING_SPREAD is
 };
 
 // Components of a direction in view space along the surface's tangent, bitangent and normal.

@@ -73,7 +73,9 @@ def grating_bars(report: Report, results: dict[str, SceneResult]) -> Iterator[Ba
         ("foils from afar, error over mean radiance", "mean_error", 0.05, ".3g"),
         ("foils from afar, flicker over the mean's", "flicker", 1.01, ".4f"),
     ):
-        figures = [(f"{e.texels:g} texels to a pixel", getattr(e, figure)) for e in filtered]
+        figures = [
+            (f"{e.foil}, {e.texels:g} texels to a pixel", getattr(e, figure)) for e in filtered
+        ]
         yield from worst(asked, figures, limit, digits)
     ratios = {
         name: _frame_and_share(result)

@@ -20,6 +20,8 @@ from precompute.report.rows import MinifiedFoil
 
 SCENE = "foil-far"
 """The scene that is seen from further away."""
+FOILS = ("foil-polygons", "foil-glitter")
+"""Maps that it shows: of few gratings, each of which has its share, and of many."""
 
 FAR = 8
 """How much further away light and camera are than in the scene given."""
@@ -42,16 +44,18 @@ class Distance:
     """From where a foil is seen.
 
     Attributes:
+        foil: Name of its map.
         texels: Of the map to a pixel, along each axis.
         subpixels: Of the mean, along each axis.
     """
 
+    foil: str
     texels: float
     subpixels: int
 
     def name(self, shown: str, shift: float = 0.0) -> str:
         """Name of a picture's files."""
-        return f"{shown}, {self.texels:g} texels to a pixel, moved by {shift:g}"
+        return f"{self.foil}, {shown}, {self.texels:g} texels to a pixel, moved by {shift:g}"
 
 
 def seen_from_afar(
@@ -89,8 +93,12 @@ def seen_from_afar(
     }
 
 
-DISTANCES = tuple(Distance(*d) for d in ((2, 8), (4, 16), (8, 16), (16, 32), (32, 32), (64, 32)))
-"""To 64 texels a pixel; there every second texel is in the mean, of patches 37 texels wide."""
+DISTANCES = tuple(
+    Distance(foil, texels, subpixels)
+    for foil in FOILS
+    for texels, subpixels in ((2, 8), (4, 16), (8, 16), (16, 32), (32, 32), (64, 32))
+)
+"""To 64 texels a pixel; there every second texel is in the mean, of patches 37 or 5 wide."""
 
 
 def pictures(
@@ -100,16 +108,17 @@ def pictures(
 
     Args:
         scene: See `seen_from_afar`; its foil with the default options.
-        distances: From where.
+        distances: From where, and of which foil.
     """
-    nearest = with_surface(scene, SHOWN["nearest texel"])
     for distance in distances:
+        covered = with_surface(scene, {"map": f"/maps/baked/{distance.foil}"})
+        nearest = with_surface(covered, SHOWN["nearest texel"])
         for shift in SHIFTS:
             texels, subpixels = distance.texels, distance.subpixels
             mean = seen_from_afar(nearest, texels, subpixels=subpixels, shift=shift)
             yield distance.name(MEAN, shift), mean
             for shown, surface in SHOWN.items():
-                drawn = seen_from_afar(with_surface(scene, surface), texels, shift=shift)
+                drawn = seen_from_afar(with_surface(covered, surface), texels, shift=shift)
                 yield distance.name(shown, shift), drawn
 
 
@@ -138,6 +147,7 @@ def minified(folder: Path, distance: Distance, shown: str) -> MinifiedFoil:
     inside = whole & covered
     mean, found = mean[:, inside], found[:, inside]
     return MinifiedFoil(
+        foil=distance.foil,
         texels=distance.texels,
         shown=shown,
         mean_error=float(np.abs(found - mean).mean() / mean.mean()),

@@ -240,6 +240,7 @@ def _minified(report: Report) -> list[str]:
         return []
     rows = [
         [
+            entry.foil,
             f"{entry.texels:g}",
             entry.shown,
             f"{entry.mean_error:.4f}",
@@ -248,10 +249,11 @@ def _minified(report: Report) -> list[str]:
         ]
         for entry in report.minified
     ]
-    header = ["texels to a pixel", "shown", "error / mean", "brightness", "flicker"]
-    text = """A foil of polygons, 37 texels wide, against the mean over subpixels that show the
-nearest texel each: mean absolute difference over mean radiance, mean radiance over the mean's, and
-the deviation of a pixel while the camera moves by less than one, over the mean's.
+    header = ["foil", "texels to a pixel", "shown", "error / mean", "brightness", "flicker"]
+    text = """Foils of polygons, 37 texels wide and of few gratings, or 5 wide and of many, against
+the mean over subpixels that show the nearest texel each: mean absolute difference over mean
+radiance, mean radiance over the mean's, and the deviation of a pixel while the camera moves by less
+than one, over the mean's.
 """
     return ["## Foils from afar\n", text, _table(header, rows)]
 

@@ -144,6 +144,7 @@ class MinifiedFoil(_Entry):
     """A foil of which a pixel covers many texels, against the mean over many subpixels.
 
     Attributes:
+        foil: Name of its map.
         texels: Of the map to a pixel, along each axis.
         shown: What a pixel shows.
         mean_error: Mean absolute difference of radiance over the mean radiance.
@@ -152,6 +153,7 @@ class MinifiedFoil(_Entry):
             mean of the subpixels.
     """
 
+    foil: str
     texels: Ratio
     shown: str
     mean_error: Share

@@ -22,7 +22,7 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 	return SurfacePoint(
 		direction.x * tangent + direction.y * bitangent,
 		direction.x * bitangent - direction.y * tangent,
-		normal, uGratingFrequency, uGratingStrength
+		normal, uGratingFrequency, uGratingStrength, vec2(0.0)
 	);
 }
 

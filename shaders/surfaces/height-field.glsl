@@ -9,7 +9,7 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 	return SurfacePoint(
 		uReliefDirection.x * tangent + uReliefDirection.y * bitangent,
 		uReliefDirection.x * bitangent - uReliefDirection.y * tangent,
-		normal, 0.0, uReliefStrength
+		normal, 0.0, uReliefStrength, vec2(0.0)
 	);
 }
 

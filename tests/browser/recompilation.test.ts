@@ -36,6 +36,7 @@ const FAMILIAR = [
 describe.each<[string, SurfaceDescription]>([
   ['a grating', { kind: 'grating', period: 1.6, height: 0.1, strength: 0.5 }],
   ['a foil', { kind: 'foil', map: '/maps/baked/foil-polygons' }],
+  ['a foil of many gratings', { kind: 'foil', map: '/maps/baked/foil-glitter' }],
   ['a height field', { kind: 'height-field', field: 'cosine' }],
 ])('the programs of %s', (_name, surface) => {
   it('are compiled once for each class of scene, and never again', async () => {

@@ -106,6 +106,14 @@ const PROGRAMS: Record<string, Program> = {
     material: blurredMaterial,
     sets: 300,
   },
+  'a foil of many gratings, from afar': {
+    roughness: blurred.roughness,
+    radii: blurred.radii,
+    leastCoherence: 1,
+    surface: { kind: 'foil', map: '/maps/baked/foil-glitter', repeat: [20, 20] },
+    material: blurredMaterial,
+    sets: 100,
+  },
   'a point light': {
     ...blurred,
     surface: { ...grating, profile: 'sampled' },
@@ -141,6 +149,13 @@ const PROGRAMS: Record<string, Program> = {
     roughness: blurred.roughness,
     environment: 'half',
     sets: 100,
+  },
+  'a harsh environment on a foil of many gratings': {
+    surface: { kind: 'foil', map: '/maps/baked/foil-glitter', repeat: [4, 4] },
+    material: blurredMaterial,
+    roughness: blurred.roughness,
+    environment: 'float',
+    sets: 50,
   },
   'a harsh environment on a height field': {
     surface: series,

@@ -11,6 +11,7 @@ import pytest
 from precompute.bake import bake
 from precompute.report import browser
 from precompute.report.minification import (
+    FOILS,
     SCENE,
     Distance,
     minified,
@@ -22,7 +23,9 @@ from precompute.report.minification import (
 from precompute.report.scenes import Scene
 
 ROOT = Path(__file__).resolve().parents[2]
-DISTANCES = (Distance(4, 16), Distance(8, 16))
+FEW, MANY = FOILS
+DISTANCES = (Distance(FEW, 4, 16), Distance(FEW, 8, 16))
+MANY_DISTANCES = (Distance(MANY, 4, 16), Distance(MANY, 16, 16))
 TURNED = "turned by 2°"
 
 
@@ -38,13 +41,16 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scene |= {"surface": foil}
     x, y, z = scene["mesh"]["rotation_deg"]
     turned = scene | {"mesh": scene["mesh"] | {"rotation_deg": [x, y, z + 2]}}
-    scenes: dict[str, dict[str, Any]] = dict(pictures(scene, DISTANCES))
+    scenes: dict[str, dict[str, Any]] = dict(pictures(scene, DISTANCES + MANY_DISTANCES))
     for distance in DISTANCES:
         for name in [name for name in scenes if name.startswith(distance.name("filtered")[:-1])]:
             moved = scenes[name]
             scenes[name.replace("filtered", TURNED)] = moved | {"mesh": turned["mesh"]}
-    scenes["magnified"] = seen_from_afar(scene, 0.4)
-    scenes["magnified nearest"] = seen_from_afar(with_surface(scene, {"filtered": False}), 0.4)
+    for name in FOILS:
+        covered = with_surface(scene, {"map": f"/maps/baked/{name}"})
+        scenes[f"{name} magnified"] = seen_from_afar(covered, 0.4)
+        nearest = with_surface(covered, {"filtered": False})
+        scenes[f"{name} magnified nearest"] = seen_from_afar(nearest, 0.4)
     folder = tmp_path_factory.mktemp("foil")
     assert list(browser.render(scenes, folder)) == list(scenes)
     return folder
@@ -66,9 +72,20 @@ def test_it_flickers_no_more_than_its_mean(drawn: Path) -> None:
     assert minified(drawn, distance, "nearest texel").flicker > 1.1
 
 
-def test_a_magnified_foil_shows_its_texels(drawn: Path) -> None:
+@pytest.mark.parametrize("distance", MANY_DISTANCES, ids=lambda d: f"{d.texels} texels")
+def test_a_pixel_shows_the_mean_of_many_gratings(drawn: Path, distance: Distance) -> None:
+    """180 of them: few texels are read one by one, many in clusters of what is alike."""
+    filtered = minified(drawn, distance, "filtered")
+    assert filtered.mean_error <= 0.09
+    assert filtered.brightness == pytest.approx(1, abs=0.015)
+    assert filtered.flicker <= 1.02
+    assert minified(drawn, distance, "nearest texel").mean_error > 0.7
+
+
+@pytest.mark.parametrize("foil", FOILS)
+def test_a_magnified_foil_shows_its_texels(drawn: Path, foil: str) -> None:
     """Every grating that a pixel can show is the texel's own; eight bits bend its angle no more."""
-    shown, covered = read_picture(drawn, "magnified")
-    texels, _ = read_picture(drawn, "magnified nearest")
+    shown, covered = read_picture(drawn, f"{foil} magnified")
+    texels, _ = read_picture(drawn, f"{foil} magnified nearest")
     peak = texels[covered].max()
     assert np.abs(shown - texels)[covered].max() <= 1e-4 * peak

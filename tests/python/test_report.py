@@ -822,15 +822,28 @@ def test_the_table_of_a_flat_surface_is_held_to_bars_and_stands_for_no_other(
 
 def test_a_foil_that_flickers_misses_its_bar() -> None:
     far = [
-        MinifiedFoil(texels=8, shown=shown, mean_error=error, brightness=1, flicker=flicker)
+        MinifiedFoil(
+            foil="foil-polygons",
+            texels=8,
+            shown=shown,
+            mean_error=error,
+            brightness=1,
+            flicker=flicker,
+        )
         for shown, error, flicker in (("filtered", 0.04, 1.1), ("nearest texel", 0.3, 2))
     ]
     report = Report(backend="", threads=1, rows=[], minified=far)
     bars = {bar.asked: bar for bar in all_bars(report, {})}
     assert bars["foils from afar, error over mean radiance"].is_met
     flicker = bars["foils from afar, flicker over the mean's"]
-    assert (flicker.value, flicker.where, flicker.is_met) == (1.1, "8 texels to a pixel", False)
-    assert "| 8 | nearest texel | 0.3000 | 1.0000 | 2.000 |" in index_page(report, {}, [])
+    assert (flicker.value, flicker.where, flicker.is_met) == (
+        1.1,
+        "foil-polygons, 8 texels to a pixel",
+        False,
+    )
+    assert "| foil-polygons | 8 | nearest texel | 0.3000 | 1.0000 | 2.000 |" in index_page(
+        report, {}, []
+    )
 
 
 @pytest.mark.parametrize(

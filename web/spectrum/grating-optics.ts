@@ -24,6 +24,8 @@ export interface GratingOpticsSettings extends OpticsSettings {
   height: number
   /** Shortest and longest period on the surface, µm. */
   period: readonly [number, number]
+  /** How far the frequencies of gratings that are shown as one are off its own at most, 1/µm. */
+  frequencyReach: number
 }
 
 /** Defines and uniforms of shaders/grating.glsl. */
@@ -115,7 +117,7 @@ function wideLobes(included: boolean): LightOptics {
  */
 function canBeWide(
   lobes: LoadedMap,
-  { coherence, roughness, period }: GratingOpticsSettings,
+  { coherence, roughness, period, frequencyReach }: GratingOpticsSettings,
   angularRadius: number,
 ): boolean {
   const largestWavenumber = constantOf(lobes, 'wavenumber_max')[0]!
@@ -126,7 +128,8 @@ function canBeWide(
     windowVariance(coherence) +
       largestWavenumber ** 2 * ((2 * roughness) ** 2 + angularRadius ** 2),
   )
-  return 1 / period[1] < spread * (largestWavenumber / largestWidth + cut)
+  // A lobe of order m is wider by m times that at most.
+  return 1 / period[1] < (spread + frequencyReach) * (largestWavenumber / largestWidth + cut)
 }
 
 /** What `explain()` says of the optics. */

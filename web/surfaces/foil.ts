@@ -1,12 +1,28 @@
 import { Vector2, Vector4, type Vector3 } from 'three'
+import foilClustersGlsl from '../../shaders/surfaces/foil-clusters.glsl?raw'
+import foilSharesGlsl from '../../shaders/surfaces/foil-shares.glsl?raw'
 import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
 import { DiffractionError } from '../errors'
+import { opticsShaders } from '../glsl/optics-shaders'
 import { loadSharedMap } from '../maps/cache'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load'
 import { imageTexture } from '../maps/image-texture'
+import { floatLiteral } from '../glsl/float-literal'
+import { foilClusters, type FoilClusters } from './foil-clusters'
+import { foilGratings } from './foil-gratings'
 import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares'
 import { GratingSurface } from './grating-surface'
 import type { Optics, OpticsSettings } from './surface'
+
+/**
+ * How a foil of many gratings is seen: by lights in so many clusters where a pixel covers more than 8 texels, by an
+ * environment, which is smooth in orientation, where it covers more than one. Periods that differ take clusters of their own.
+ * Cells are counted along the map's longer side; the two take 11 to 22 and 7 MB.
+ */
+const CLUSTERS = {
+  underLights: { onePeriod: 64, periods: 128, cells: 128 },
+  underEnvironment: { clusters: 16, cells: 256 },
+}
 
 export interface FoilOptions {
   /** Tiles along u and v; (1, 1) by default. */
@@ -22,6 +38,11 @@ export interface FoilOptions {
 /** A map of gratings: a holographic foil, synthetic or measured. */
 export class Foil extends GratingSurface {
   readonly glsl = foilGlsl
+  override readonly glslFiles = {
+    ...opticsShaders,
+    'foil-clusters.glsl': foilClustersGlsl,
+    'foil-shares.glsl': foilSharesGlsl,
+  }
   readonly defines = {}
   readonly isPartial = true
   readonly uniforms
@@ -31,7 +52,8 @@ export class Foil extends GratingSurface {
   readonly filtered: boolean
   protected readonly periodRange: readonly [number, number]
   protected readonly mapRead
-  readonly #shares: FoilShares | null
+  protected override readonly frequencyReach
+  readonly #mean: FoilMean | null
 
   /** Loads the map at an address without extension, as in `maps/baked/foil-dots`. */
   static async load(url: string, options: FoilOptions = {}): Promise<Foil> {
@@ -58,40 +80,80 @@ export class Foil extends GratingSurface {
     }
     this.repeat = this.uniforms.uFoilRepeat.value
     this.filtered = options.filtered ?? true
-    this.#shares = this.filtered ? foilShares(map) : null
-    const count = this.#shares?.gratings.length ?? 0
+    this.#mean = this.filtered ? meanOf(map) : null
+    const mean = this.#mean
+    const [low, high] = [1 / this.periodRange[1], 1 / this.periodRange[0]]
+    this.frequencyReach = mean?.kind === 'clusters' ? (high - low) / 2 : 0
     this.mapRead =
-      this.#shares === null
-        ? { included: true, why: 'a texel of it is read at each pixel' }
-        : { included: false, why: `${count} gratings are uniforms; the map has but their shares` }
+      mean?.kind === 'shares'
+        ? {
+            included: false,
+            why: `${mean.gratings.length} gratings are uniforms; the map has but their shares`,
+          }
+        : { included: true, why: 'its texels are read where a pixel covers few of them' }
   }
 
   override optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
     const optics = super.optics(tables, settings)
-    const shares = this.#shares
-    const feature = {
-      feature: 'mean over the texels of a pixel',
-      included: shares !== null,
-      why:
-        shares !== null
-          ? `the foil has ${shares.gratings.length} gratings, whose shares mip levels hold`
-          : this.filtered
-            ? `the foil has none, or more than ${MOST_GRATINGS} gratings: the nearest texel is shown`
-            : 'filtered is false: the nearest texel is shown',
-    }
-    const features = [...optics.features, feature]
-    if (shares === null) return { ...optics, features }
-    const { gratings, texture } = shares
+    const mean = this.#mean
+    const features = [
+      ...optics.features,
+      {
+        feature: 'mean over the texels of a pixel',
+        included: mean !== null,
+        why: this.#whyMean(),
+      },
+    ]
+    if (mean === null) return { ...optics, features }
+    if (mean.kind === 'shares')
+      return {
+        ...optics,
+        features,
+        defines: { ...optics.defines, FOIL_GRATINGS: mean.gratings.length },
+        uniforms: {
+          ...optics.uniforms,
+          uFoilShares: { value: mean.texture },
+          uFoilGratings: { value: mean.gratings },
+        },
+      }
+    const { underLights } = mean
+    const [low, high] = [1 / this.periodRange[1], 1 / this.periodRange[0]]
+    const onePeriod = isOnePeriod(this.periodRange)
     return {
       ...optics,
       features,
-      defines: { ...optics.defines, FOIL_GRATINGS: gratings.length },
+      defines: {
+        ...optics.defines,
+        GRATING_SPREAD: '',
+        FOIL_CLUSTERS: underLights.count,
+        FOIL_ARC_CLUSTERS: CLUSTERS.underEnvironment.clusters,
+        FOIL_FREQUENCY: floatLiteral((low + high) / 2),
+        FOIL_FREQUENCY_RANGE: floatLiteral(Math.max(high - low, 1e-6)),
+        FOIL_TURN_BINS: onePeriod ? 6 : 4,
+        FOIL_CHANGE_BINS: onePeriod ? 1 : 3,
+      },
       uniforms: {
         ...optics.uniforms,
-        uFoilShares: { value: texture },
-        uFoilGratings: { value: gratings },
+        uFoilClusters: { value: underLights.texture },
+        uFoilReach: { value: underLights.reach },
+      },
+      environmentUniforms: () => {
+        const { texture, reach } = mean.underEnvironment()
+        return {
+          ...optics.environmentUniforms(),
+          uFoilArcClusters: { value: texture },
+          uFoilArcReach: { value: reach },
+        }
       },
     }
+  }
+
+  #whyMean(): string {
+    if (!this.filtered) return 'filtered is false: the nearest texel is shown'
+    if (this.#mean === null) return 'nothing on the foil diffracts'
+    return this.#mean.kind === 'shares'
+      ? `the foil has ${this.#mean.gratings.length} gratings, whose shares mip levels hold`
+      : `the foil has more than ${MOST_GRATINGS} gratings, in clusters whose shares mip levels hold`
   }
 
   measuredAs(): string {
@@ -115,13 +177,48 @@ export class Foil extends GratingSurface {
   }
 
   get planarGratings(): readonly Vector3[] | null {
-    return this.#shares?.gratings ?? null
+    return this.#mean?.kind === 'shares' ? this.#mean.gratings : null
   }
 
   /** Shortest and longest period on the foil, µm. */
   get period(): readonly [number, number] {
     return this.periodRange
   }
+}
+
+/** How pixels show the mean of the many texels that they cover. */
+type FoilMean =
+  | ({ kind: 'shares' } & FoilShares)
+  | { kind: 'clusters'; underLights: FoilClusters; underEnvironment: () => FoilClusters }
+
+const means = new WeakMap<LoadedMap, FoilMean>()
+
+/** Made once for all foils that show a map; null where nothing on it diffracts. */
+function meanOf(map: LoadedMap): FoilMean | null {
+  let mean = means.get(map)
+  if (mean === undefined) {
+    const gratings = foilGratings(map)
+    const count = gratings.θ.length
+    if (count === 0) return null
+    if (count <= MOST_GRATINGS) mean = { kind: 'shares', ...foilShares(gratings) }
+    else {
+      const { underLights, underEnvironment } = CLUSTERS
+      const most = isOnePeriod(periodsOf(map)) ? underLights.onePeriod : underLights.periods
+      let arcs: FoilClusters | undefined
+      mean = {
+        kind: 'clusters',
+        underLights: foilClusters(gratings, Math.min(count, most), underLights.cells),
+        underEnvironment: () =>
+          (arcs ??= foilClusters(gratings, underEnvironment.clusters, underEnvironment.cells)),
+      }
+    }
+    means.set(map, mean)
+  }
+  return mean
+}
+
+function isOnePeriod([shortest, longest]: readonly [number, number]): boolean {
+  return longest < 1.01 * shortest
 }
 
 function profileOfRecipe(map: LoadedMap): string {

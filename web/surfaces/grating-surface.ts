@@ -21,6 +21,8 @@ export abstract class GratingSurface implements Surface {
   abstract readonly planarGratings: readonly Vector3[] | null
   /** Shortest and longest period on the surface, µm. */
   protected abstract readonly periodRange: readonly [number, number]
+  /** How far the frequencies of gratings that are shown as one are off its own at most, 1/µm. */
+  protected readonly frequencyReach: number = 0
 
   readonly glslFiles = opticsShaders
   readonly methods = ['closed-form', 'wavelength-loop'] as const
@@ -87,7 +89,12 @@ export abstract class GratingSurface implements Surface {
     this.#checkPhase(this.#height)
     const optics = gratingOptics(
       { profile, lobes, metals },
-      { ...settings, height: this.#height, period: this.periodRange },
+      {
+        ...settings,
+        height: this.#height,
+        period: this.periodRange,
+        frequencyReach: this.frequencyReach,
+      },
     )
     return {
       ...optics,

@@ -1,0 +1,45 @@
+import { arrayOf, valuesOf, type LoadedMap } from '../maps/load'
+
+/** The different gratings of a foil's map, and which of them lies where. */
+export interface FoilGratings {
+  /** Orientation from −π/2 to π/2, rad, of each grating. */
+  θ: readonly number[]
+  /** 1/period of each, 1/µm. */
+  frequency: readonly number[]
+  /** Texels along u and v. */
+  width: number
+  height: number
+  /** Number of the grating at each texel, rows from the bottom as v grows; −1 where nothing diffracts. */
+  numberAt: Int32Array
+  /** Share of each texel that diffracts, 0 to 1, rows likewise. */
+  strengthAt: Float32Array
+}
+
+export function foilGratings(map: LoadedMap): FoilGratings {
+  const array = arrayOf(map, 'grating')
+  const [height, width] = array.spec.shape as [number, number]
+  const values = valuesOf(array)
+  const numbers = new Map<string, number>()
+  const θ: number[] = []
+  const frequency: number[] = []
+  const numberAt = new Int32Array(width * height).fill(-1)
+  const strengthAt = new Float32Array(width * height)
+  for (let texel = 0; texel < numberAt.length; texel++) {
+    const cos2 = values[4 * texel]!
+    const sin2 = values[4 * texel + 1]!
+    const grooves = values[4 * texel + 2]!
+    const strength = values[4 * texel + 3]!
+    if (!(strength > 0 && grooves > 0)) continue
+    const key = `${cos2},${sin2},${grooves}`
+    let number = numbers.get(key)
+    if (number === undefined) {
+      numbers.set(key, (number = θ.length))
+      θ.push(Math.atan2(sin2, cos2) / 2)
+      frequency.push(grooves)
+    }
+    const at = (height - 1 - Math.floor(texel / width)) * width + (texel % width)
+    numberAt[at] = number
+    strengthAt[at] = strength
+  }
+  return { θ, frequency, width, height, numberAt, strengthAt }
+}
