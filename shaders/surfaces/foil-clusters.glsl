@@ -21,7 +21,6 @@ uniform vec2 uFoilArcReach;
 
 struct FoilFootprint {
 	float taps;      // along each side of the pixel; 0 where clusters are read
-	float width;     // of the pixel's longer side, in texels of the map
 	vec2 uv;         // of its middle, in tiles
 	vec2 alongX;     // change of uv over the pixel
 	vec2 alongY;
@@ -94,7 +93,7 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 	vec2 texels = vec2(textureSize(uFoilMap, 0));
 	float width = max(length(alongX * texels), length(alongY * texels));
 	float taps = width <= 1.0 ? 1.0 : width <= FOIL_MOST_TEXELS ? min(ceil(2.0 * width), FOIL_MOST_TAPS) : 0.0;
-	foilFootprint = FoilFootprint(taps, width, uv * uFoilRepeat, alongX, alongY);
+	foilFootprint = FoilFootprint(taps, uv * uFoilRepeat, alongX, alongY);
 	float strength = 0.0;
 	if (taps == 0.0)
 		strength = foilMean(uFoilClusters, FOIL_CLUSTERS).x;
