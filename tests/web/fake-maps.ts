@@ -111,16 +111,19 @@ function fakeCells(): FakeArray[] {
   ]
 }
 
+/** What a map of height fields says that it was baked from, and which others with it. */
+export const BAKED_RECIPE = {
+  methods: ['jacobi-anger', 'baked'],
+  roughness: 0.02,
+  coherence: 16.25,
+  illuminant: 'D65',
+  metal: 'gold',
+  tiles: null,
+}
+
 /** A baked pattern of one mode, for a roughness of 0.02 rad on gold. */
 export function fakeBaked(): FakeMap {
   const constants = { modes: 1, u_max: 2, v_max: 2, angular_radius: 0 }
-  const recipe = {
-    roughness: 0.02,
-    coherence: 16.25,
-    illuminant: 'D65',
-    metal: 'gold',
-    tiles: null,
-  }
   const arrays: FakeArray[] = [
     {
       name: 'modes',
@@ -148,34 +151,39 @@ export function fakeBaked(): FakeMap {
       axes: [axis('distance over deviation', 3, 'linear', 0, 5), axis('w', 8, 'linear', 0, 2)],
     },
   ]
-  return makeMap('height-field-baked', constants, [...arrays, ...fakeCells()], recipe)
+  return makeMap('height-field-baked', constants, [...arrays, ...fakeCells()], BAKED_RECIPE)
 }
 
-/** Five terms of a height field with 2 × 3 lines; every number is different. */
-export function fakeTerms(): FakeMap {
+/** Five terms of a height field with 2 × 3 lines; every number is different. `recipe`: what the map says it was baked from. */
+export function fakeTerms(recipe: object = {}): FakeMap {
   const count = (length: number): number[] => Array.from({ length }, (_, i) => i / 64)
   const constants = { period_x: 2, period_y: 3, amplitude: 0.1, max_phase: 4, terms: 5 }
-  return makeMap('height-field-terms', constants, [
-    {
-      name: 'terms',
-      bytes: halves(count(3 * 3 * 2 * 4)),
-      dtype: 'float16',
-      shape: [3, 3, 2, 4],
-      axes: [
-        axis('pair', 3, 'linear', 0, 2),
-        axis('line along y', 3, 'linear', -1, 1),
-        axis('line along x', 2, 'linear', 0, 1),
-      ],
-    },
-    {
-      name: 'coefficients',
-      bytes: new Uint8Array(Float32Array.from(count(5 * 4)).buffer),
-      dtype: 'float32',
-      shape: [5, 4, 1],
-      axes: [axis('term', 5, 'linear', 0, 4), axis('x', 4, 'linear', 0, 4)],
-    },
-    ...fakeCells(),
-  ])
+  return makeMap(
+    'height-field-terms',
+    constants,
+    [
+      {
+        name: 'terms',
+        bytes: halves(count(3 * 3 * 2 * 4)),
+        dtype: 'float16',
+        shape: [3, 3, 2, 4],
+        axes: [
+          axis('pair', 3, 'linear', 0, 2),
+          axis('line along y', 3, 'linear', -1, 1),
+          axis('line along x', 2, 'linear', 0, 1),
+        ],
+      },
+      {
+        name: 'coefficients',
+        bytes: new Uint8Array(Float32Array.from(count(5 * 4)).buffer),
+        dtype: 'float32',
+        shape: [5, 4, 1],
+        axes: [axis('term', 5, 'linear', 0, 4), axis('x', 4, 'linear', 0, 4)],
+      },
+      ...fakeCells(),
+    ],
+    recipe,
+  )
 }
 
 /** A foil of 2 × 2 texels, or another [width, height], as a PNG of 8 bits. */

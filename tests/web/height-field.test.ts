@@ -7,7 +7,15 @@ import { cutWindow } from '../../web/height-field/cut-window'
 import { coefficientsTexture, termsTexture } from '../../web/height-field/line-spectrum'
 import { Grating } from '../../web/surfaces/grating'
 import { HeightField } from '../../web/surfaces/height-field'
-import { fakeBaked, fakeLobes, fakeMetals, fakeTerms, filesOf, serveFiles } from './fake-maps'
+import {
+  BAKED_RECIPE,
+  fakeBaked,
+  fakeLobes,
+  fakeMetals,
+  fakeTerms,
+  filesOf,
+  serveFiles,
+} from './fake-maps'
 import { refuses } from './refuses'
 
 let folder = 0
@@ -104,6 +112,57 @@ describe('a material', () => {
     material.surface = new HeightField({ field: 'x' })
     await material.ready
     expect(material.defines).not.toHaveProperty('TILES')
+  })
+})
+
+describe('a material with a largest error', () => {
+  // The report's figures for rough height fields: the baked pattern is the faster one, and errs by 0.0013.
+  const options = { maxError: 0.01, roughness: 0.02, metal: 'gold' } as const
+  const made = async (recipe?: object): Promise<DiffractionMaterial> => {
+    const at = `${mapsPath}other/`
+    serveFiles(
+      filesOf({
+        [`${at}height-field-x-jacobi-anger`]: fakeTerms(recipe),
+        [`${at}height-field-x-baked`]: fakeBaked(),
+        [`${at}lobes-1931-2-D65`]: fakeLobes(),
+        [`${at}metals`]: fakeMetals(),
+      }),
+    )
+    const surface = new HeightField({ field: 'x' })
+    const material = new DiffractionMaterial({ surface, mapsPath: at, ...options })
+    await material.ready
+    expect(material.method).toBe('line-sum')
+    // What the map says is heard with the next look.
+    await material.ready
+    return material
+  }
+
+  it('takes the baked pattern, once a map says that there is one', async () => {
+    const material = await made(BAKED_RECIPE)
+    expect(material.method).toBe('baked')
+    expect(material.defines.BAKED).toBe('')
+    const chosen = material
+      .explain()
+      .find(({ feature }) => feature.startsWith('error under lights'))
+    expect(chosen!.why).toContain("method 'baked'")
+  })
+
+  it('leaves it where a setting is another than was baked in, and comes back', async () => {
+    const material = await made(BAKED_RECIPE)
+    material.roughness = 0.01
+    await material.ready
+    expect(material.method).toBe('line-sum')
+    expect(material.defines).not.toHaveProperty('BAKED')
+    material.roughness = 0.02
+    await material.ready
+    expect(material.method).toBe('baked')
+  })
+
+  it('keeps to the terms where no map speaks of a baked one, or where the method was given', async () => {
+    expect((await made()).method).toBe('line-sum')
+    const { ready, method } = Object.assign(await made(BAKED_RECIPE), { method: 'jacobi-anger' })
+    await ready
+    expect(method).toBe('jacobi-anger')
   })
 })
 

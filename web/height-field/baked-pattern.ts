@@ -22,25 +22,14 @@ export function bakedPattern(
   isDielectric: boolean,
   tiles: Tiles | null,
 ): Pattern {
-  const { recipe } = relief.sidecar
-  const asked = {
-    roughness: settings.roughness,
-    coherence: settings.coherence,
-    illuminant: settings.illuminant,
-    observer: settings.observer,
-    metal: isDielectric ? null : settings.metal,
-    energy: settings.energy,
-    tiles,
-  }
-  const baked: Record<string, unknown> = { ...recipe, observer: '1931-2', energy: 'kirchhoff' }
-  for (const [field, value] of Object.entries(asked))
-    if (JSON.stringify(value) !== JSON.stringify(baked[field]))
-      throw new DiffractionError({
-        file: `${relief.url}.json`,
-        field,
-        value,
-        expected: `${JSON.stringify(baked[field])}, which was baked in, or another method`,
-      })
+  const unfit = unlikeBaked(relief.sidecar.recipe, settings, isDielectric, tiles)
+  if (unfit !== null)
+    throw new DiffractionError({
+      file: `${relief.url}.json`,
+      field: unfit.field,
+      value: unfit.value,
+      expected: `${JSON.stringify(unfit.baked)}, which was baked in, or another method`,
+    })
   const constant = (name: string): number => constantOf(relief, name)[0]!
   const [groups, samples] = arrayOf(relief, 'weights').spec.shape
   return {
@@ -66,6 +55,30 @@ export function bakedPattern(
     ],
     underLights: (angularRadius) => lightSize(angularRadius, constant('angular_radius')),
   }
+}
+
+/** The first setting that is not as a recipe has it baked in; null where all are. */
+export function unlikeBaked(
+  recipe: Record<string, unknown>,
+  settings: OpticsSettings,
+  isDielectric: boolean,
+  tiles: Tiles | null,
+): { field: string; value: unknown; baked: unknown } | null {
+  const asked = {
+    roughness: settings.roughness,
+    coherence: settings.coherence,
+    illuminant: settings.illuminant,
+    observer: settings.observer,
+    metal: isDielectric ? null : settings.metal,
+    energy: settings.energy,
+    tiles,
+  }
+  const bakedIn: Record<string, unknown> = { ...recipe, observer: '1931-2', energy: 'kirchhoff' }
+  for (const [field, value] of Object.entries(asked)) {
+    const baked = bakedIn[field]
+    if (JSON.stringify(value) !== JSON.stringify(baked)) return { field, value, baked }
+  }
+  return null
 }
 
 function lightSize(angularRadius: number, baked: number): LightOptics {

@@ -48,7 +48,7 @@ export interface ErrorChoice {
 /**
  * The settings for which the report has measured the least time among those that erred by at most `maxError` in all
  * scenes of the surface's class, under lights and in environments both; where there are none, those that erred least.
- * Only methods that read the same maps are chosen from: no other map need exist.
+ * Only methods whose maps are there are chosen from: those that read the same ones, and those that the surface knows of.
  *
  * @param surface - what is drawn
  * @param settings - those that hold where nothing else is chosen
@@ -67,8 +67,11 @@ export function choiceForError(
   const addresses = (method: OpticsSettings['method']): string =>
     JSON.stringify(surface.tables({ ...settings, method }, ''))
   const own = addresses(settings.method)
+  const known = surface.methodsKnown(settings)
   const methods = surface.methods.filter((method) =>
-    given.has('method') ? method === settings.method : addresses(method) === own,
+    given.has('method')
+      ? method === settings.method
+      : addresses(method) === own || known.includes(method),
   )
 
   let best: Plan | null = null

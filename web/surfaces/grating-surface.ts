@@ -7,7 +7,7 @@ import { SHORTEST_WAVELENGTH } from '../spectrum/max-order'
 import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
 import { positive } from '../validation'
 import { profileUrl } from './profile'
-import type { Optics, OpticsSettings, Surface } from './surface'
+import type { Method, Optics, OpticsSettings, Surface } from './surface'
 
 /** What gratings and maps of gratings have in common: one profile, one height, and a range of periods. */
 export abstract class GratingSurface implements Surface {
@@ -77,6 +77,11 @@ export abstract class GratingSurface implements Surface {
       profile: profileUrl(this.name, this.#profile, mapsPath),
       ...spectrumUrls(settings, mapsPath),
     }
+  }
+
+  /** All methods read the same tables. */
+  methodsKnown(): readonly Method[] {
+    return []
   }
 
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {

@@ -3,6 +3,7 @@ import heightFieldGlsl from '../../shaders/surfaces/height-field.glsl?raw'
 import { DiffractionError } from '../errors'
 import { opticsShaders } from '../glsl/optics-shaders'
 import { expectKinds, type LoadedMap } from '../maps/load'
+import { unlikeBaked } from '../height-field/baked-pattern'
 import { heightFieldOptics } from '../height-field/optics'
 import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
 import { within } from '../validation'
@@ -52,6 +53,8 @@ export class HeightField implements Surface {
   #orientation = 0
   #isDielectric = false
   #version = 0
+  /** What the field's maps were baked from, all at once; known when the first of them is there. */
+  #recipe: Record<string, unknown> = {}
 
   constructor({
     field,
@@ -133,15 +136,35 @@ export class HeightField implements Surface {
     return { relief: `${address}-${baked}`, ...spectrumUrls(settings, mapsPath) }
   }
 
+  methodsKnown(settings: OpticsSettings): readonly Method[] {
+    const { methods: baked = [] } = this.#recipe
+    return this.methods.filter(
+      (method) =>
+        (baked as unknown[]).includes(method) &&
+        (method !== 'baked' ||
+          unlikeBaked(this.#recipe, settings, this.#isDielectric, this.tiles) === null),
+    )
+  }
+
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
     const maps = expectKinds(this.name, tables, {
       relief: settings.method === 'baked' ? 'height-field-baked' : 'height-field-terms',
       lobes: 'lobes',
       metals: 'metals',
     })
+    this.#learn(maps.relief)
     const optics = heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
     const uniforms = { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(maps.lobes) } }
     return { ...optics, uniforms }
+  }
+
+  /** A recipe says which methods have maps: materials that choose one look again. */
+  #learn({ sidecar }: LoadedMap): void {
+    const { recipe } = sidecar
+    if (this.#recipe === recipe) return
+    const isFirst = !Array.isArray(this.#recipe.methods)
+    this.#recipe = recipe
+    if (isFirst && Array.isArray(recipe.methods)) this.#version++
   }
 }
 

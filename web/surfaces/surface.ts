@@ -120,6 +120,11 @@ export interface Surface {
   readonly version: number
   /** The addresses of the tables that the optics need, by a name of the surface's own. */
   tables(settings: OpticsSettings, mapsPath: string): Record<string, string>
+  /**
+   * Methods that can be drawn under these settings by maps that are known to be there, besides those that read the same
+   * tables.
+   */
+  methodsKnown(settings: OpticsSettings): readonly Method[]
   /** Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface. */
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics
 }
