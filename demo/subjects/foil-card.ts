@@ -4,6 +4,12 @@ import { backOf } from './back'
 import { bendPlane } from './bent-plane'
 import { MAPS, type Subject } from './subject'
 
+/** The foils that come with the page, by the addresses of their maps; none of them, where another address was given. */
+export const FOILS: Readonly<Record<string, string>> = {
+  [`${MAPS}foil-polygons`]: 'Polygons',
+  [`${MAPS}foil-glitter`]: 'Glitter',
+  '': 'By its address',
+}
 export const FOIL_MAP = `${MAPS}foil-polygons`
 /** Tiles of 25 mm: with them the card has about the size of a credit card. */
 const REPEAT = new Vector2(3, 2)

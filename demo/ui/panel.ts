@@ -4,6 +4,7 @@ import type { Demo } from '../demo'
 import { adjust } from '../subjects/adjust'
 import { ENVIRONMENTS } from '../light/environments'
 import { bakedMethods, FIELDS, type FieldName } from '../subjects/fields'
+import { FOILS } from '../subjects/foil-card'
 import type { Subject } from '../subjects/subject'
 import { choice, type ChoiceOptions } from './choice'
 import type { Control } from './control'
@@ -79,6 +80,15 @@ export class Panel {
     const dielectric = (): HeightField | undefined =>
       heightField()?.ior === null ? undefined : heightField()
     this.#group('Surface', true, [
+      this.#choice('Pattern', FOILS, {
+        get: () => {
+          if (!(surface() instanceof Foil)) return undefined
+          return demo.foilUrl in FOILS ? demo.foilUrl : ''
+        },
+        set: (url) => {
+          if (url !== '') void demo.showFoil(url)
+        },
+      }),
       foilField(demo),
       this.#choice('Relief', FIELDS, {
         // The material's: one that is on its way is the one that was chosen.

@@ -94,11 +94,15 @@ SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) 
 	float width = max(length(alongX * texels), length(alongY * texels));
 	float taps = width <= 1.0 ? 1.0 : width <= FOIL_MOST_TEXELS ? min(ceil(2.0 * width), FOIL_MOST_TAPS) : 0.0;
 	foilFootprint = FoilFootprint(taps, uv * uFoilRepeat, alongX, alongY);
+	#ifdef FOIL_WHOLE
+	float strength = 1.0;
+	#else
 	float strength = 0.0;
 	if (taps == 0.0)
 		strength = foilMean(uFoilClusters, FOIL_CLUSTERS).x;
 	else
 		for (int i = 0; i < int(taps * taps); i++) strength += foilTap(i).w / (taps * taps);
+	#endif // FOIL_WHOLE
 	return SurfacePoint(tangent, bitangent, normal, 0.0, strength, vec2(0.0));
 }
 

@@ -106,6 +106,21 @@ describe('the demo', () => {
     expect(complaints).toEqual([])
   })
 
+  it('covers the card with the other foil', async () => {
+    const { page, complaints } = await open('', 820, 240)
+    const before = await picture(page)
+    const foil = page.getByLabel('Pattern', { exact: true })
+    expect(await foil.inputValue()).toBe('/maps/baked/foil-polygons')
+    await foil.selectOption('Glitter')
+    await page.waitForSelector('#view:not([data-state=settled])')
+    const glitter = await picture(page)
+    expectColours(glitter, 0.001)
+    expect(meanDifference(before, glitter)).toBeGreaterThan(0.3)
+    expect(await foil.inputValue()).toBe('/maps/baked/foil-glitter')
+    expect(await page.locator('#banner').isVisible()).toBe(false)
+    expect(complaints).toEqual([])
+  })
+
   it('obeys the keyboard', async () => {
     const { page, complaints } = await open('?scene=disc', 820, 240)
     await page.locator('summary', { hasText: 'Light and method' }).press('Enter')

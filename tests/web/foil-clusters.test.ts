@@ -13,6 +13,7 @@ function turning(count: number, height = 1): FoilGratings {
     height,
     numberAt: Int32Array.from({ length: texels }, (_, i) => i % count),
     strengthAt: new Float32Array(texels).fill(0.5),
+    isWhole: false,
   }
 }
 

@@ -13,6 +13,8 @@ export interface FoilGratings {
   numberAt: Int32Array
   /** Share of each texel that diffracts, 0 to 1, rows likewise. */
   strengthAt: Float32Array
+  /** Whether all of every texel diffracts. */
+  isWhole: boolean
 }
 
 export function foilGratings(map: LoadedMap): FoilGratings {
@@ -41,5 +43,6 @@ export function foilGratings(map: LoadedMap): FoilGratings {
     numberAt[at] = number
     strengthAt[at] = strength
   }
-  return { θ, frequency, width, height, numberAt, strengthAt }
+  const isWhole = strengthAt.every((strength) => strength >= 1)
+  return { θ, frequency, width, height, numberAt, strengthAt, isWhole }
 }

@@ -8,21 +8,10 @@ import { loadSharedMap } from '../maps/cache'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load'
 import { imageTexture } from '../maps/image-texture'
 import { floatLiteral } from '../glsl/float-literal'
-import { foilClusters, type FoilClusters } from './foil-clusters'
-import { foilGratings } from './foil-gratings'
-import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares'
+import { CLUSTERS, FoilContents, isOnePeriod, type FoilMean } from './foil-contents'
+import { MOST_GRATINGS } from './foil-shares'
 import { GratingSurface } from './grating-surface'
 import type { Optics, OpticsSettings } from './surface'
-
-/**
- * How a foil of many gratings is seen: by lights in so many clusters where a pixel covers more than 8 texels, by an
- * environment, which is smooth in orientation, where it covers more than one. Periods that differ take clusters of their own.
- * Cells are counted along the map's longer side; the two take 11 to 22 and 7 MB.
- */
-const CLUSTERS = {
-  underLights: { onePeriod: 64, periods: 128, cells: 128 },
-  underEnvironment: { clusters: 16, cells: 256 },
-}
 
 export interface FoilOptions {
   /** Tiles along u and v; (1, 1) by default. */
@@ -44,7 +33,7 @@ export class Foil extends GratingSurface {
     'foil-shares.glsl': foilSharesGlsl,
   }
   readonly defines = {}
-  readonly isPartial = true
+  readonly isPartial: boolean
   readonly uniforms
   /** Size of one tile, mm. */
   readonly tile: readonly [number, number]
@@ -80,7 +69,9 @@ export class Foil extends GratingSurface {
     }
     this.repeat = this.uniforms.uFoilRepeat.value
     this.filtered = options.filtered ?? true
-    this.#mean = this.filtered ? meanOf(map) : null
+    const contents = FoilContents.of(map, this.periodRange)
+    this.isPartial = !contents.isWhole
+    this.#mean = this.filtered ? contents.mean : null
     const mean = this.#mean
     const [low, high] = [1 / this.periodRange[1], 1 / this.periodRange[0]]
     this.frequencyReach = mean?.kind === 'clusters' ? (high - low) / 2 : 0
@@ -125,6 +116,7 @@ export class Foil extends GratingSurface {
       defines: {
         ...optics.defines,
         GRATING_SPREAD: '',
+        ...(!this.isPartial && { FOIL_WHOLE: '' }),
         FOIL_CLUSTERS: underLights.count,
         FOIL_ARC_CLUSTERS: CLUSTERS.underEnvironment.clusters,
         FOIL_FREQUENCY: floatLiteral((low + high) / 2),
@@ -184,41 +176,6 @@ export class Foil extends GratingSurface {
   get period(): readonly [number, number] {
     return this.periodRange
   }
-}
-
-/** How pixels show the mean of the many texels that they cover. */
-type FoilMean =
-  | ({ kind: 'shares' } & FoilShares)
-  | { kind: 'clusters'; underLights: FoilClusters; underEnvironment: () => FoilClusters }
-
-const means = new WeakMap<LoadedMap, FoilMean>()
-
-/** Made once for all foils that show a map; null where nothing on it diffracts. */
-function meanOf(map: LoadedMap): FoilMean | null {
-  let mean = means.get(map)
-  if (mean === undefined) {
-    const gratings = foilGratings(map)
-    const count = gratings.θ.length
-    if (count === 0) return null
-    if (count <= MOST_GRATINGS) mean = { kind: 'shares', ...foilShares(gratings) }
-    else {
-      const { underLights, underEnvironment } = CLUSTERS
-      const most = isOnePeriod(periodsOf(map)) ? underLights.onePeriod : underLights.periods
-      let arcs: FoilClusters | undefined
-      mean = {
-        kind: 'clusters',
-        underLights: foilClusters(gratings, Math.min(count, most), underLights.cells),
-        underEnvironment: () =>
-          (arcs ??= foilClusters(gratings, underEnvironment.clusters, underEnvironment.cells)),
-      }
-    }
-    means.set(map, mean)
-  }
-  return mean
-}
-
-function isOnePeriod([shortest, longest]: readonly [number, number]): boolean {
-  return longest < 1.01 * shortest
 }
 
 function profileOfRecipe(map: LoadedMap): string {
