@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +14,9 @@ import numpy as np
 import pytest
 
 from precompute.bake import bake
+from precompute.foils import polygons_foil
+from precompute.maps import Map
+from precompute.recipes import PolygonsFoilRecipe
 from precompute.report import browser
 from precompute.report.minification import (
     FOILS,
@@ -27,6 +35,48 @@ FEW, MANY = FOILS
 DISTANCES = (Distance(FEW, 4, 16), Distance(FEW, 8, 16))
 MANY_DISTANCES = (Distance(MANY, 4, 16), Distance(MANY, 16, 16))
 TURNED = "turned by 2°"
+WAVES = "waves"
+WAVES_DISTANCES = (Distance(WAVES, 4, 8), Distance(WAVES, 16, 16))
+
+
+class _Files(SimpleHTTPRequestHandler):
+    """Files for a page of another port."""
+
+    def end_headers(self) -> None:
+        self.send_header("Access-Control-Allow-Origin", "*")
+        super().end_headers()
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """The address of a folder's files."""
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Files, directory=str(folder)))
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+def waves() -> Map:
+    """A foil whose orientation and period change evenly from place to place."""
+    foil = polygons_foil(PolygonsFoilRecipe(kind="foil", design="polygons", size=256))
+    table = foil.tables["grating"]
+    texel = (np.arange(256) + 0.5) / 256
+    x, y = np.meshgrid(texel, texel)
+    θ = np.pi * (x + 0.3 * np.sin(2 * np.pi * y))
+    frequency = (1 + 0.02 * np.sin(2 * np.pi * (x + y))) / 1.66
+    top = float(frequency.max())
+    channels = np.cos(2 * θ), np.sin(2 * θ), frequency, np.ones_like(x)
+    table.values = np.stack(channels, axis=-1)
+    table.decode = ((-1.0, 2.0), (-1.0, 2.0), (0.0, top), (0.0, 1.0))
+    foil.constants |= {"min_frequency": float(frequency.min()), "max_frequency": top}
+    return foil
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +102,11 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
         nearest = with_surface(covered, {"filtered": False})
         scenes[f"{name} magnified nearest"] = seen_from_afar(nearest, 0.4)
     folder = tmp_path_factory.mktemp("foil")
-    assert list(browser.render(scenes, folder)) == list(scenes)
+    waves().write(folder, WAVES)
+    with served(folder) as address:
+        for name, picture in pictures(scene, WAVES_DISTANCES):
+            scenes[name] = with_surface(picture, {"map": f"{address}/{WAVES}"})
+        assert list(browser.render(scenes, folder)) == list(scenes)
     return folder
 
 
@@ -80,6 +134,16 @@ def test_a_pixel_shows_the_mean_of_many_gratings(drawn: Path, distance: Distance
     assert filtered.brightness == pytest.approx(1, abs=0.015)
     assert filtered.flicker <= 1.02
     assert minified(drawn, distance, "nearest texel").mean_error > 0.7
+
+
+@pytest.mark.parametrize("distance", WAVES_DISTANCES, ids=lambda d: f"{d.texels} texels")
+def test_a_pixel_shows_the_mean_where_gratings_turn_evenly(drawn: Path, distance: Distance) -> None:
+    """What is shown as one grating has to be as wide as what it stands for: else it is 0.06 off."""
+    filtered = minified(drawn, distance, "filtered")
+    assert filtered.mean_error <= 0.05
+    assert filtered.brightness == pytest.approx(1, abs=0.015)
+    assert filtered.flicker <= 1.03
+    assert minified(drawn, distance, "nearest texel").mean_error > 0.1
 
 
 @pytest.mark.parametrize("foil", FOILS)
