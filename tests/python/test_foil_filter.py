@@ -36,6 +36,7 @@ DISTANCES = (Distance(FEW, 4, 16), Distance(FEW, 8, 16))
 MANY_DISTANCES = (Distance(MANY, 4, 16), Distance(MANY, 16, 16))
 TURNED = "turned by 2°"
 WAVES = "waves"
+SURROUNDED = "surrounded "
 WAVES_DISTANCES = (Distance(WAVES, 4, 8), Distance(WAVES, 16, 16))
 
 
@@ -106,6 +107,8 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with served(folder) as address:
         for name, picture in pictures(scene, WAVES_DISTANCES):
             scenes[name] = with_surface(picture, {"map": f"{address}/{WAVES}"})
+            around = {"lights": [], "environment": {"asset": "studio"}}
+            scenes[f"{SURROUNDED}{name}"] = scenes[name] | around
         assert list(browser.render(scenes, folder)) == list(scenes)
     return folder
 
@@ -144,6 +147,17 @@ def test_a_pixel_shows_the_mean_where_gratings_turn_evenly(drawn: Path, distance
     assert filtered.brightness == pytest.approx(1, abs=0.015)
     assert filtered.flicker <= 1.03
     assert minified(drawn, distance, "nearest texel").mean_error > 0.1
+
+
+def test_it_does_so_in_an_environment(drawn: Path) -> None:
+    """Clusters that were not as wide as their gratings would flicker by 1.056."""
+    distance = WAVES_DISTANCES[-1]
+    surrounded = Distance(f"{SURROUNDED}{distance.foil}", distance.texels, distance.subpixels)
+    filtered = minified(drawn, surrounded, "filtered")
+    assert filtered.mean_error <= 0.05
+    assert filtered.brightness == pytest.approx(1, abs=0.01)
+    assert filtered.flicker <= 1.04
+    assert minified(drawn, surrounded, "nearest texel").mean_error > 0.07
 
 
 @pytest.mark.parametrize("foil", FOILS)
