@@ -13,6 +13,8 @@ uniform vec2 uFoilArcReach;
 
 // A smaller share is none.
 #define SMALLEST_SHARE 0.001
+// A cluster with a smaller share of the pixel is not worth an arc.
+#define FOIL_LEAST_ARC 0.01
 // Texels are read one by one at twice as many places along each side as the pixel is texels wide, as long as these suffice.
 #define FOIL_MOST_TAPS 8.0
 #define FOIL_MOST_TEXELS 8.0
@@ -178,7 +180,7 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 	float level = max(log2(max(length(foilFootprint.alongX * texels), length(foilFootprint.alongY * texels))), 0.0);
 	for (int k = 0; k < FOIL_ARC_CLUSTERS; k++) {
 		float share = textureLod(uFoilArcClusters, vec3(foilFootprint.uv, k), level).x;
-		if (share > 0.01) present |= 1u << k;
+		if (share > FOIL_LEAST_ARC) present |= 1u << k;
 	}
 	if (isTexel) present = 1u;
 	vec3 xyz = vec3(0.0);

@@ -2,7 +2,7 @@ import { DataUtils, LinearMipmapNearestFilter, Vector2, type DataArrayTexture } 
 import type { FoilGratings } from './foil-gratings'
 import { averagedLayers } from './averaged-layers'
 
-/** Gratings among which the middles of clusters are found. */
+/** Gratings among which the centres of clusters are found. */
 const MOST_SAMPLES = 4096
 const ITERATIONS = 12
 /** Deviation of a cluster's weights over the distance between neighbours: with less a row of Gaussians ripples. */
@@ -75,11 +75,11 @@ export function foilClusters(foil: FoilGratings, count: number, mostCells: numbe
     squares[cluster]!.turn += weight * (turn / reach.x) ** 2
     squares[cluster]!.change += weight * (change / reach.y) ** 2
   }
-  const layer = clusters.flatMap(({ θ, frequency }, i) => {
+  const texels = clusters.flatMap(({ θ, frequency }, i) => {
     const { turn, change } = squares[i]!
     return [Math.cos(θ), Math.sin(θ), frequency, turn / Math.max(turn + change, 1e-12)]
   })
-  return { count, reach, texture: clusterTexture(foil, parts, layer, reach, mostCells) }
+  return { count, reach, texture: clusterTexture(foil, parts, texels, reach, mostCells) }
 }
 
 /** Centres of clusters, each the mean of what is closer to it than to any other. */
