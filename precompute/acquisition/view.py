@@ -78,8 +78,8 @@ class View:
             x, y in mm, shape (n, 2); NaN where a ray does not meet it before the camera.
         """
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-9)
-        straight = cv2.undistortPointsIter(
-            pixels.reshape(-1, 1, 2), self.matrix, self.distortion, None, None, criteria
+        straight = cv2.undistortPoints(
+            pixels.reshape(-1, 1, 2), self.matrix, self.distortion, criteria=criteria
         ).reshape(-1, 2)
         rays = np.concatenate([straight, np.ones((len(straight), 1))], axis=1) @ self.rotation
         along = np.where(rays[:, 2] < 0, -self.position[2] / rays[:, 2], np.nan)
