@@ -27,6 +27,9 @@ CANDIDATES = 4
 APART = np.radians(6)
 """Least distance between candidates: two to three standard deviations of a lobe."""
 
+DARK = 0.01
+"""Share of a lobe's peak below which an observation counts as dark: 3 standard deviations off."""
+
 STEPS = 3
 """Of refinement; each about halves or better the distance to the best orientation."""
 
@@ -79,14 +82,16 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
     """
     whitened = _Whitened.of(strip, model)
     scores, angles = _scan(whitened, model)
-    n = len(scores)
-    found = [_with_period(whitened, model, θ) for θ in _peaks(scores, angles)]
-    gains = np.stack([gain for _, _, gain in found])
-    best = np.argmax(gains, axis=0)
-    texels = np.arange(n)
-    orientation = np.stack([θ for θ, _, _ in found])[best, texels]
-    index = np.stack([frequency for _, frequency, _ in found])[best, texels]
-    second = np.sort(gains, axis=0)[-2]
+    candidates, gains = _peaks(scores, angles)
+    index = np.zeros(candidates.shape, np.intp)
+    if len(model.shares) > 1:
+        for number, θ in enumerate(candidates):
+            index[number], gains[number] = _with_period(whitened, model, θ)
+    order = np.argsort(-gains, axis=0)
+    orientation, index, second = (
+        np.take_along_axis(values, order, axis=0)[rank]
+        for values, rank in ((candidates, 0), (index, 0), (gains, 1))
+    )
     orientation, place, strength, gain = _refined(whitened, model, orientation, index)
     frequencies = model.tables[0].frequencies
     return Fit(
@@ -96,6 +101,21 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
         gain / _peak_energy(model),
         np.where(gain > 0, 1 - np.clip(second / np.maximum(gain, 1e-30), 0, 1), 0),
     )
+
+
+def predicted(strip: Strip, model: Model, fit: Fit) -> Array32:
+    """What gratings show in a strip: intensity, shape (n, J, channels)."""
+    deviation = np.array([table.deviation for table in model.tables], np.float32)
+    whitened = _Whitened.of(strip, model)
+    rows, columns, _ = _near(whitened, fit.orientation.astype(np.float32), deviation)
+    picked = _Picked(whitened, deviation, rows, columns, len(fit.orientation))
+    frequencies = np.log(model.tables[0].frequencies)
+    place = np.interp(np.log(fit.frequency), frequencies, np.arange(len(frequencies)))
+    strength = (model.strength * fit.strength)[rows, None]
+    result = np.zeros_like(strip.intensity)
+    shown = strength * picked.expected(fit.orientation, place)
+    result[rows, columns] = shown / model.channel_weights[strip.shot[columns]]
+    return result
 
 
 @dataclass(frozen=True)
@@ -119,7 +139,13 @@ class _Whitened:
         ]
         radius = np.hypot(strip.u, strip.v)
         return _Whitened(
-            intensity, strip.u, strip.v, radius, strip.usable, strip.shot, tables
+            intensity,
+            strip.u,
+            strip.v,
+            radius,
+            strip.usable,
+            strip.shot,
+            tables,
         )
 
 
@@ -131,32 +157,49 @@ def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32]:
     """
     deviations = np.array([table.deviation for table in model.tables], np.float32)
     angles = max(180, int(np.ceil(np.pi / deviations.min())))
-    step = np.float32(np.pi / angles)
     n = len(strip.u)
-    energy, match = np.zeros(n * angles, np.float32), np.zeros(n * angles, np.float32)
-    mixed = [np.tensordot(model.shares, table, 1).astype(np.float32) for table in strip.tables]
-    for number, profile in enumerate(mixed):
+    match = np.zeros((n, angles), np.float32)
+    energy = np.zeros((n, angles), np.float32)
+    for number, table in enumerate(strip.tables):
+        profile = np.tensordot(model.shares, table, 1).astype(np.float32)
         rows, columns = np.nonzero(strip.usable & (strip.shot == number))
-        radius = strip.radius[rows, columns]
-        expected = at_radius(profile, radius)
-        full = np.einsum("kc,kc->k", expected, expected)
+        expected = at_radius(profile, strip.radius[rows, columns])
         seen = np.einsum("kc,kc->k", strip.intensity[rows, columns], expected)
-        counts = full > 1e-4 * full.max()
-        rows, columns = rows[counts], columns[counts]
-        radius, full, seen = radius[counts], full[counts], seen[counts]
+        full = np.einsum("kc,kc->k", expected, expected)
+        for total, values, power, counts in (
+            (match, seen, 1, seen > DARK * model.strength * full),
+            (energy, full, 2, full > DARK * full.max(initial=0)),
+        ):
+            lobes = _Lobes(strip, rows[counts], columns[counts], deviations[number], angles)
+            lobes.add(total, values[counts], power)
+    gains = _gain(match, energy, model.strength)
+    return gains, np.arange(angles, dtype=np.float32) * np.float32(np.pi / angles)
+
+
+class _Lobes:
+    """Lobes over orientation about the directions in which observations lie."""
+
+    def __init__(
+        self, strip: _Whitened, rows: Indices, columns: Indices, deviation: np.float32, angles: int
+    ) -> None:
         angle = np.arctan2(strip.v[rows, columns], strip.u[rows, columns])
-        nearest = np.round(angle / step).astype(np.int32)
-        within = angle - nearest * step
-        across = radius / deviations[number]
-        reach = int(np.ceil(REACH / float(across.min(initial=np.inf)) / float(step)))
+        self.step = np.float32(np.pi / angles)
+        self.rows = rows
+        self.nearest = np.round(angle / self.step).astype(np.int32)
+        self.within = angle - self.nearest * self.step
+        self.across = strip.radius[rows, columns] / deviation
+
+    def add(self, total: Array32, values: Array32, power: int) -> None:
+        """Add values times a power of the lobes to the rows of `total`, shape (n, angles)."""
+        angles = total.shape[1]
+        nearest = REACH / float(self.across.min(initial=np.inf)) / float(self.step)
+        reach = min(int(np.ceil(nearest)), angles // 2)
         for offset in range(-reach, reach + 1):
-            close = across * np.abs(offset * step - within) < REACH
-            lobe = np.exp(-((across[close] * np.sin(offset * step - within[close])) ** 2) / 2)
-            key = rows[close] * angles + (nearest[close] + offset) % angles
-            match += np.bincount(key, lobe * seen[close], n * angles)
-            energy += np.bincount(key, lobe**2 * full[close], n * angles)
-    gains = _gain(match, energy, model.strength).reshape(n, angles)
-    return gains, np.arange(angles, dtype=np.float32) * step
+            far = self.across * (offset * self.step - self.within)
+            close = np.flatnonzero(np.abs(far) < REACH)
+            lobe = np.exp(-power * far[close] ** 2 / 2) * values[close]
+            key = self.rows[close] * angles + (self.nearest[close] + offset) % angles
+            total += np.bincount(key, lobe, total.size).reshape(total.shape)
 
 
 def _gain(match: Array32, energy: Array32, strongest: float) -> Array32:
@@ -165,18 +208,19 @@ def _gain(match: Array32, energy: Array32, strongest: float) -> Array32:
     return s * (2 * match - s * energy)
 
 
-def _peaks(scores: Array32, angles: Array32) -> list[Array32]:
-    """The best orientations of each texel, apart from each other, best first."""
+def _peaks(scores: Array32, angles: Array32) -> tuple[Array32, Array32]:
+    """The best orientations of each texel, apart from each other, best first, and their gains."""
     left, count = scores.copy(), len(angles)
     texels = np.arange(len(scores))
     apart = int(np.ceil(APART / (np.pi / count)))
-    found = []
+    found, gains = [], []
     for _ in range(CANDIDATES):
         best = np.argmax(left, axis=1)
         found.append(angles[best])
+        gains.append(np.maximum(left[texels, best], 0))
         for offset in range(-apart, apart + 1):
             left[texels, (best + offset) % count] = -1
-    return found
+    return np.stack(found), np.stack(gains)
 
 
 def _near(strip: _Whitened, θ: Array32, deviation: Array32) -> tuple[Indices, Indices, Array32]:
@@ -187,10 +231,8 @@ def _near(strip: _Whitened, θ: Array32, deviation: Array32) -> tuple[Indices, I
     return rows, columns, across[rows, columns]
 
 
-def _with_period(
-    strip: _Whitened, model: Model, θ: Array32
-) -> tuple[Array32, Indices, Array32]:
-    """The best frequency at a given orientation: θ, its index, and the gain, shape (n,) each."""
+def _with_period(strip: _Whitened, model: Model, θ: Array32) -> tuple[Indices, Array32]:
+    """The best frequency at a given orientation: its index and the gain, shape (n,) each."""
     deviation = np.array([table.deviation for table in model.tables], np.float32)
     rows, columns, across = _near(strip, θ, deviation)
     lobe = np.exp(-(across**2) / 2)
@@ -209,7 +251,7 @@ def _with_period(
             match += summed.astype(np.float32) @ table[:, :, channel].T
     gains = _gain(match, energy, model.strength)
     best = np.argmax(gains, axis=1)
-    return θ, best, gains[np.arange(n), best]
+    return best, gains[np.arange(n), best]
 
 
 def _refined(

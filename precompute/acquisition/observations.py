@@ -84,27 +84,33 @@ def half_vectors(points: Array, eye: Array, light: Array) -> tuple[Array, Array]
     return wi + wo, wi[:, 2] * np.sum(light**2) / squared[:, 0]
 
 
-def observed(shots: list[Shot], tiling: Tiling, place: Array, highlight: float) -> Strip:
-    """Look points of the pattern up in all tiles of all photographs.
+def observed(
+    shots: list[Shot],
+    tiling: Tiling,
+    place: Array,
+    highlight: float,
+    tiles: list[tuple[int, int]] | None = None,
+) -> Strip:
+    """Look points of the pattern up in the tiles of all photographs.
 
     Args:
         shots: The photographs.
         tiling: Where the tiles lie.
         place: Points right of and below a tile's top left corner, in tiles, shape (n, 2).
         highlight: ρ below which the lamp's reflection outshines all.
+        tiles: Row and column of those to look in; all if left out.
     """
+    tiles = tiling.tiles() if tiles is None else tiles
     n, channels = len(place), shots[0].values.shape[2]
-    count = tiling.count * len(shots)
+    count = len(tiles) * len(shots)
     intensity = np.zeros((n, count, channels), np.float32)
     u, v = np.zeros((n, count), np.float32), np.zeros((n, count), np.float32)
     usable = np.zeros((n, count), bool)
-    rows, columns = tiling.shifts.shape[:2]
-    tiles = [(row, column) for row in range(rows) for column in range(columns)]
     for index, (row, column) in enumerate(tiles):
         points = tiling.points(row, column, place)
         inside = tiling.on_sample(points)
         for number, shot in enumerate(shots):
-            j = number * tiling.count + index
+            j = number * len(tiles) + index
             seen, good = looked_up(shot, points)
             h, irradiance = half_vectors(points, shot.rectification.eye, shot.light)
             u[:, j], v[:, j] = h[:, 0], h[:, 1]
@@ -112,7 +118,7 @@ def observed(shots: list[Shot], tiling: Tiling, place: Array, highlight: float) 
             usable[:, j] = good
             shown = seen / irradiance[:, None].astype(np.float32) - shot.background
             intensity[:, j] = np.where(good[:, None], shown, 0)
-    return Strip(intensity, u, v, usable, np.repeat(np.arange(len(shots)), tiling.count))
+    return Strip(intensity, u, v, usable, np.repeat(np.arange(len(shots)), len(tiles)))
 
 
 def looked_up(shot: Shot, points: Array) -> tuple[Array32, NDArray[np.bool_]]:

@@ -45,10 +45,9 @@ class Tiling:
         shape = (int(count[1]), int(count[0]))
         return Tiling(size, first, np.zeros((*shape, 2)), np.zeros((*shape, 2, 2)), sample)
 
-    @property
-    def count(self) -> int:
-        """How many tiles."""
-        return self.shifts.shape[0] * self.shifts.shape[1]
+    def tiles(self) -> list[tuple[int, int]]:
+        """Row and column of each tile."""
+        return list(np.ndindex(*self.shifts.shape[:2]))
 
     def points(self, row: int, column: int, place: Array) -> Array:
         """Where points of the pattern lie in one tile.
