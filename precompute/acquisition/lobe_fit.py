@@ -336,10 +336,7 @@ class _Picked:
         slopes = [s * slope for slope in slopes]
         right = np.stack([self._sum(np.sum(slope * rest, axis=1)) for slope in slopes], axis=-1)
         normal = np.stack(
-            [
-                np.stack([self._sum(np.sum(a * b, axis=1)) for a in slopes], axis=-1)
-                for b in slopes
-            ],
+            [np.stack([self._sum(np.sum(a * b, axis=1)) for a in slopes], axis=-1) for b in slopes],
             axis=-1,
         )
         diagonal = np.einsum("nii->ni", normal)

@@ -75,7 +75,8 @@ class LobeTable:
         λ = WAVELENGTHS[lit]
         values = np.zeros((len(frequencies), len(ρ), weights.shape[1]))
         for m in range(1, ORDERS + 1):
-            power = WAVELENGTH_STEP * weights[lit] * jv(m, np.pi * MEAN_W * height / λ)[:, None] ** 2
+            efficiency = jv(m, np.pi * MEAN_W * height / λ) ** 2
+            power = WAVELENGTH_STEP * weights[lit] * efficiency[:, None]
             for index, frequency in enumerate(frequencies):
                 apart = (ρ[:, None] - m * λ * frequency) / deviation
                 values[index] += np.exp(-(apart**2) / 2) @ power

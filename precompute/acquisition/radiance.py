@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from precompute.acquisition.pattern import Gratings
 from precompute.gratings import Grating
-from precompute.profiles import Profile, Sinusoidal
+from precompute.profiles import Profile
 from precompute.reference import weighted_brdf
 
 Array = NDArray[np.float64]
@@ -32,9 +32,9 @@ class Relief:
     """
 
     height: float
-    profile: Profile = Sinusoidal()
-    coherence: float = 16.25
-    roughness: float = 0.0
+    profile: Profile
+    coherence: float
+    roughness: float
 
     def grating(self, frequency: float) -> Grating:
         """The grating of a frequency 1/a, 1/µm; where nothing diffracts, a mirror."""

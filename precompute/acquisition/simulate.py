@@ -7,7 +7,6 @@ light that is reflected more than once; a source that looks smaller from afar; s
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
