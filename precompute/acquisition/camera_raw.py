@@ -54,7 +54,7 @@ def read_raw(file: Path) -> RawImage:
             levels = np.array(raw.black_level_per_channel, float)
             white = float(raw.white_level)
             shutter = float(raw.other.shutter_speed)
-            names = raw.color_desc.decode()
+            pattern, names = raw.raw_pattern, raw.color_desc.decode()
             numbers = raw.postprocess(
                 demosaic_algorithm=rawpy.DemosaicAlgorithm.LINEAR,
                 user_wb=[1.0, 1.0, 1.0, 1.0],
@@ -74,8 +74,10 @@ def read_raw(file: Path) -> RawImage:
     if colours == 1:
         numbers, black = numbers[..., :1], levels[:1]
     else:
-        # Two greens may differ by a little; each green pixel was one of them.
-        black = np.array([levels[[n == colour for n in names]].mean() for colour in "RGB"])
+        # Two greens may differ by a little; each green pixel was one of them. Without a pattern
+        # each pixel had all three colours.
+        used = np.arange(3) if pattern is None else pattern.ravel()
+        black = np.array([levels[[i for i in used if names[i] == c]].mean() for c in "RGB"])
     return RawImage(
         numbers.astype(np.uint16, copy=False),
         black / white * FULL,

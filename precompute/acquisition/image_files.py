@@ -195,8 +195,8 @@ def read_image(file: Path, camera: Camera) -> ImageFile:
     Raises:
         InputError: The file is missing, damaged, of another kind or smaller than 16 × 16 pixels;
             its channels are not those of the camera; the camera's response or levels make no sense
-            for its kind; it holds numbers that are not finite; or nine tenths of it are below
-            black.
+            for its kind; it holds numbers that are not finite; nine tenths of it are below black;
+            or floats are as far below black as half of the brightest above.
     """
     if not file.is_file():
         raise unreadable(file, "no such file")
@@ -247,6 +247,11 @@ def read_image(file: Path, camera: Camera) -> ImageFile:
     if below > 0.9:
         found = f"{float(black.max()):g}, above {100 * below:.0f} % of the numbers"
         raise InputError(file, "camera.black", found, "the number of no light")
+    if numbers.dtype not in INTEGERS:
+        lowest, highest = float(numbers.min()) - camera.black, float(numbers.max()) - camera.black
+        if lowest < -0.5 * highest:
+            found = f"{lowest:.3g} to {highest:.3g} over black"
+            raise InputError(file, "numbers", found, "light of 0 and more, but for noise")
     return image
 
 

@@ -192,6 +192,35 @@ def test_camera_raw_gives_the_light_of_the_sensor(tmp_path: Path) -> None:
     assert 0.4 < np.mean(dark < 0) < 0.6
     with refused(tmp_path / "a.dng", "camera.white", 16383.0, "its own black and white"):
         read_image(tmp_path / "a.dng", Camera(white=16383))
+    with refused(tmp_path / "a.dng", "camera.response", "srgb", "linear: camera raw"):
+        read_image(tmp_path / "a.dng", SRGB)
+
+
+def test_camera_raw_has_the_white_of_the_sensor_not_of_the_picture(tmp_path: Path) -> None:
+    mosaic = np.full((40, 60), 64 + 8 * 400, np.uint16)
+    write_dng(tmp_path / "a.dng", mosaic, (64, 64, 64, 64), 4064)
+    found = read_image(tmp_path / "a.dng", RGB).linear()
+    np.testing.assert_allclose(found[4:-4, 4:-4], 0.8, atol=1 / 4000)
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_camera_raw_without_a_pattern(tmp_path: Path, channels: int) -> None:
+    numbers = np.rint(64 + 4000 * ramp(channels)).astype(np.uint16)
+    tags: list[tuple[Any, ...]] = [
+        (50706, "B", 4, (1, 4, 0, 0), True),
+        (50708, "s", 0, "Camera of a test", True),
+        (50714, "H", channels, (64,) * channels, True),
+        (50717, "H", channels, (4064,) * channels, True),
+        (50721, "2i", 9, (1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1), True),
+    ]
+    file = tmp_path / "a.dng"
+    pixels = numbers if channels == 3 else numbers[..., 0]
+    kind = "rgb" if channels == 3 else "minisblack"
+    tifffile.imwrite(file, pixels, photometric=kind, extratags=tags, metadata=None)
+    with tifffile.TiffFile(file, mode="r+") as tiff:
+        tiff.pages.first.tags[262].overwrite(34892)  # PhotometricInterpretation: LinearRaw
+    image = read_image(file, RGB if channels == 3 else GREY)
+    np.testing.assert_allclose(image.linear(), ramp(channels), atol=1 / 4000)
 
 
 # ---- What files note -----------------------------------------------------------------------------
@@ -246,7 +275,7 @@ def shoot(file: Path, radiance: np.ndarray, exposure_s: float, seed: int | None)
 
 
 CAMERA = Camera(black=1024)
-EXPOSURES = {"c.tif": 0.16, "a.tif": 0.01, "b.tif": 0.04}
+EXPOSURES = {"a.tif": 0.16, "c.tif": 0.01, "b.tif": 0.04}
 
 
 def test_without_noise_the_merge_is_the_radiance(tmp_path: Path) -> None:
@@ -254,7 +283,7 @@ def test_without_noise_the_merge_is_the_radiance(tmp_path: Path) -> None:
     for name, exposure_s in EXPOSURES.items():
         shoot(tmp_path / name, radiance, exposure_s, None)
     photo = merged(tmp_path, EXPOSURES, CAMERA)
-    assert [source.file for source in photo.sources] == ["a.tif", "b.tif", "c.tif"]
+    assert [source.file for source in photo.sources] == ["c.tif", "b.tif", "a.tif"]
     assert photo.exposure_s == 0.01
     # Exactly where any channel reaches 0.98 in 0.01 s, but for rounding at the edge.
     expected = (radiance * 0.01 >= 0.98).any(axis=-1)
@@ -329,8 +358,12 @@ def test_memory_does_not_grow_with_the_exposures(tmp_path: Path) -> None:
 @pytest.mark.parametrize("bits", [8, 16])
 def test_noise_is_never_less_than_rounding(tmp_path: Path, bits: int) -> None:
     write_photograph(tmp_path / "a.tif", np.full((64, 64, 3), 0.25), bits)
+    rounding = 1 / (2**bits - 1) / np.sqrt(12)
     photo = read(tmp_path, "a.tif", exposure_s=0.5)
-    assert photo.noise == pytest.approx(1 / (2**bits - 1) / np.sqrt(12) / 0.5)
+    assert photo.noise == pytest.approx(rounding / 0.5)
+    write_photograph(tmp_path / "b.tif", np.full((64, 64, 3), 0.5), bits)
+    photo = merged(tmp_path, {"a.tif": 0.5, "b.tif": 1})
+    assert photo.noise == pytest.approx(np.sqrt(2) * rounding / 1.5)
 
 
 def test_dark_noise_is_that_of_the_dark_under_a_slope() -> None:
@@ -362,6 +395,7 @@ def test_unreadable_files_are_refused(tmp_path: Path, name: str, damage: str) ->
     with pytest.raises(InputError) as caught:
         read_image(file, SRGB if name == "a.jpg" else RGB)
     assert (caught.value.file, caught.value.field) == (str(file), "contents")
+    assert caught.value.value
 
 
 def test_channels_that_the_camera_has_not_are_refused(tmp_path: Path) -> None:
@@ -424,6 +458,14 @@ def test_numbers_that_are_not_finite_are_counted(tmp_path: Path, odd: float) -> 
         read_image(tmp_path / "a.exr", RGB)
 
 
+def test_light_far_below_none_is_refused(tmp_path: Path) -> None:
+    write_photograph(tmp_path / "a.exr", 4 * ramp() - 0.5, 32)
+    assert read_image(tmp_path / "a.exr", RGB).linear().min() == -0.5
+    write_photograph(tmp_path / "b.exr", 4 * ramp() - 1.5, 32)
+    with refused(tmp_path / "b.exr", "numbers", "-1.5 to 2.5 over black", "0 and more"):
+        read_image(tmp_path / "b.exr", RGB)
+
+
 def test_levels_and_responses_that_the_file_cannot_have_are_refused(tmp_path: Path) -> None:
     write_photograph(tmp_path / "a.png", ramp(), 8)
     file = tmp_path / "a.png"
@@ -457,11 +499,11 @@ def test_a_bracket_of_another_exposure_than_told_is_refused(tmp_path: Path) -> N
     for name, exposure_s in EXPOSURES.items():
         shoot(tmp_path / name, 20 * ramp(), exposure_s, 1)
     # b.tif was 0.04 s, which is 0.4 of what is told of it.
-    with refused(tmp_path / "b.tif", "exposure_s", 0.1, "about 0.04, going by the light of a.tif"):
+    with refused(tmp_path / "b.tif", "exposure_s", 0.1, "about 0.04, going by the light of c.tif"):
         merged(tmp_path, EXPOSURES | {"b.tif": 0.1}, CAMERA)
-    # Swapped: a.tif, the darkest, comes last then, and b.tif is the first to show it.
+    # The shortest and the longest, taken for each other.
     with pytest.raises(InputError, match="exposure_s"):
-        merged(tmp_path, {"a.tif": 0.16, "b.tif": 0.04, "c.tif": 0.01}, CAMERA)
+        merged(tmp_path, {"a.tif": 0.01, "b.tif": 0.04, "c.tif": 0.16}, CAMERA)
     # A small error is told, not refused.
     photo = merged(tmp_path, EXPOSURES | {"b.tif": 0.05}, CAMERA)
     assert photo.sources[1].agreement == pytest.approx(0.8, rel=0.01)
