@@ -98,22 +98,24 @@ class Photo:
 
 
 class _Merge:
-    """Light and time, summed over exposures from the shortest on, and what clipped in the shortest.
+    """The weighted mean of x / t, light over time, over exposures from the shortest on.
 
-    A sensor's noise is that of its photons but in the dark, so that x / t, light over time, has a
-    variance in proportion to 1 / t. Weighted with t it averages to Σ x / Σ t: what one exposure of
-    all the time had counted. Samples near clipping weigh less, down to nothing.
+    Where the noise of x is that of photons, the variance of x / t goes with 1 / t and the best
+    weight is t; where it is that of reading the sensor, 1 / t² and t². t^1.5 needs to know of
+    neither: for exposures 1, 4 and 16 its standard deviation is 4 % above the least in both.
+    Samples near clipping weigh less, down to nothing; the shortest exposure always has its whole
+    weight.
     """
 
     def __init__(self, image: ImageFile, exposure_s: float) -> None:
-        self.light = np.empty(image.numbers.shape, np.float32)
-        self.time = np.full(image.numbers.shape, exposure_s, np.float32)
+        self.total = np.empty(image.numbers.shape, np.float32)
+        self.weight = np.full(image.numbers.shape, exposure_s**1.5, np.float32)
         self.saturated = np.empty(image.numbers.shape[:2], bool)
-        self.rounding = (image.step * np.sqrt(1 / 12)) ** 2
-        self.total_s = exposure_s
+        self.rounding = image.step**2 / 12 * exposure_s
+        self.weights = exposure_s**1.5
         for rows in _blocks(image):
             light = image.linear(rows)
-            self.light[rows] = light
+            self.total[rows] = light * np.float32(exposure_s**0.5)
             if image.white is not None:
                 self.saturated[rows] = (light >= CLIPPED).any(axis=-1)
             else:
@@ -137,27 +139,28 @@ class _Merge:
                 np.clip(weight, 0, 1, out=weight)
             well = (light > 0.2) & (weight == 1)
             seen += float(light[well].sum(dtype=float))
-            before = self.light[rows][well] / self.time[rows][well]
+            before = self.total[rows][well] / self.weight[rows][well]
             foretold += float(before.sum(dtype=float)) * exposure_s
             compared += int(np.count_nonzero(well))
+            weight *= np.float32(exposure_s**0.5)
             light *= weight
-            self.light[rows] += light
+            self.total[rows] += light
             weight *= np.float32(exposure_s)
-            self.time[rows] += weight
-        self.rounding += (image.step * np.sqrt(1 / 12)) ** 2
-        self.total_s += exposure_s
+            self.weight[rows] += weight
+        self.rounding += image.step**2 / 12 * exposure_s
+        self.weights += exposure_s**1.5
         if compared < FEWEST_COMPARED:
             return None
         return seen / foretold if foretold > 0 else np.inf
 
     def values(self) -> NDArray[np.float32]:
         """Radiance; the sums are used up."""
-        self.light /= self.time
-        return self.light
+        self.total /= self.weight
+        return self.total
 
     def rounding_noise(self) -> float:
         """Standard deviation that rounding to whole numbers brings in the dark."""
-        return float(np.sqrt(self.rounding)) / self.total_s
+        return float(np.sqrt(self.rounding)) / self.weights
 
 
 def _blocks(image: ImageFile) -> Iterator[slice]:
