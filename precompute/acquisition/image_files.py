@@ -38,6 +38,7 @@ from precompute.images import read_exr, write_exr
 
 COUNTS = {"rgb": 3, "grey": 1}
 INTEGERS = (np.uint8, np.uint16)
+WRITTEN = (".tif", ".tiff", ".png", ".exr")
 
 
 @dataclass(frozen=True)
@@ -270,46 +271,27 @@ def _check_levels(file: Path, kind: str, dtype: np.dtype[Any], camera: Camera) -
             raise InputError(file, "camera.black", camera.black, f"below {largest}: {kind}")
 
 
-def write_photograph(
-    file: Path,
-    values: NDArray[np.floating],
-    bits: int,
-    *,
-    black: int = 0,
-    exposure_s: float | None = None,
-) -> None:
-    """Write a photograph without loss but for rounding and clipping.
+def write_image(file: Path, numbers: NDArray[Any], exposure_s: float | None = None) -> None:
+    """Write an image without loss.
 
     Args:
         file: TIFF, PNG or EXR, by its extension.
-        values: Linear, of full scale, shape (height, width, 1 or 3).
-        bits: TIFF and PNG: 8, 12 (in 16, white at 4095) or 16. EXR: 16 (half) or 32 (float), and
-            nothing is clipped.
-        black: Number of no light, in TIFF and PNG; white is 2^bits − 1.
-        exposure_s: Noted in the file; EXR has no place for it.
+        numbers: Shape (height, width, 1 or 3); uint8 or uint16, for EXR float32.
+        exposure_s: Noted in the file, to a millionth; EXR has no place for it.
 
     Raises:
-        InputError: The extension or the bits are none of these.
+        InputError: The extension is none of these.
     """
     suffix = file.suffix.lower()
-    allowed = {".tif": (8, 12, 16), ".tiff": (8, 12, 16), ".png": (8, 12, 16), ".exr": (16, 32)}
-    if suffix not in allowed:
-        raise InputError(file, "extension", suffix, "one of " + ", ".join(allowed))
-    if bits not in allowed[suffix]:
-        raise InputError(file, "bits", bits, "one of " + ", ".join(map(str, allowed[suffix])))
+    if suffix not in WRITTEN:
+        raise InputError(file, "extension", suffix, "one of " + ", ".join(WRITTEN))
     if suffix == ".exr":
-        write_exr(file, values.astype(np.float16 if bits == 16 else np.float32))
+        write_exr(file, numbers)
         return
-    white = 2**bits - 1
-    numbers = np.clip(np.rint(black + values * (white - black)), 0, white)
-    numbers = numbers.astype(np.uint8 if bits == 8 else np.uint16)
     exposure = None
     if exposure_s is not None:
         exposure = Fraction(exposure_s).limit_denominator(1_000_000)
-    if suffix == ".png":
-        data = _png(numbers, exposure)
-    else:
-        data = _tiff(numbers, exposure)
+    data = _png(numbers, exposure) if suffix == ".png" else _tiff(numbers, exposure)
     with written_aside(file) as aside:
         aside.write_bytes(data)
 

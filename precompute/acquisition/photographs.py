@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from colour.models import eotf_inverse_sRGB
 from numpy.typing import NDArray
 
 from precompute.acquisition.capture import Bracket, Camera, Capture, Photograph
-from precompute.acquisition.image_files import ImageFile, read_image
+from precompute.acquisition.image_files import ImageFile, read_image, write_image
 from precompute.errors import InputError
 from precompute.progress import tracked
 
@@ -290,6 +291,46 @@ def read_photographs(capture: Capture, folder: Path) -> Iterator[Photo]:
             expected = f"an exposure in the capture or in the file, as {other} has one"
             raise InputError(folder / unknown, "exposure_s", None, expected)
         yield photo
+
+
+def write_photograph(
+    file: Path,
+    values: NDArray[np.floating],
+    bits: int,
+    camera: Camera,
+    exposure_s: float | None = None,
+) -> None:
+    """Write light as a camera stores it: what `read_image` reads with the same camera.
+
+    Args:
+        file: TIFF, PNG or EXR, by its extension.
+        values: Light of full scale, shape (height, width, 1 or 3). It is rounded, and cut off at
+            white and at 0; in an EXR neither.
+        bits: TIFF and PNG: 8, 12 (in 16) or 16. An EXR holds floats whatever it is.
+        camera: Its response and its numbers for black and white; without one white is 2^bits − 1.
+        exposure_s: Noted in the file where the format has a place for it.
+
+    Raises:
+        InputError: The extension or the bits are none of these, white takes more bits, or there is
+            none where a reader would take another.
+    """
+    if file.suffix.lower() == ".exr":
+        scale = 1.0 if camera.white is None else camera.white - camera.black
+        write_image(file, (values * scale + camera.black).astype(np.float32), exposure_s)
+        return
+    if bits not in (8, 12, 16):
+        raise InputError(file, "bits", bits, "8, 12 or 16")
+    largest = 2**bits - 1
+    if camera.white is None and bits == 12:
+        raise InputError(
+            file, "camera.white", None, f"{largest}, for the file's type is of 16 bits"
+        )
+    white = largest if camera.white is None else camera.white
+    if white > largest:
+        raise InputError(file, "camera.white", white, f"{largest} at most, which {bits} bits hold")
+    coded = eotf_inverse_sRGB(values) if camera.response == "srgb" else values
+    numbers = np.clip(np.rint(camera.black + coded * (white - camera.black)), 0, white)
+    write_image(file, numbers.astype(np.uint8 if bits == 8 else np.uint16), exposure_s)
 
 
 def _check_size(file: Path, size: tuple[int, int], needed: tuple[int, int], other: str) -> None:

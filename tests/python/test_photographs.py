@@ -15,8 +15,14 @@ from PIL.TiffImagePlugin import IFDRational, ImageFileDirectory_v2
 from refusals import refused
 
 from precompute.acquisition.capture import Bracket, Camera, Capture, FlashLight, Photograph, Sample
-from precompute.acquisition.image_files import read_image, write_photograph
-from precompute.acquisition.photographs import Photo, dark_noise, read_photograph, read_photographs
+from precompute.acquisition.image_files import read_image
+from precompute.acquisition.photographs import (
+    Photo,
+    dark_noise,
+    read_photograph,
+    read_photographs,
+    write_photograph,
+)
 from precompute.errors import InputError
 from precompute.images import write_exr
 
@@ -66,8 +72,8 @@ def test_what_is_written_is_read_to_half_a_step(
     tmp_path: Path, name: str, bits: int, kind: str, channels: int
 ) -> None:
     values, black = ramp(channels), 2 ** (bits - 4)
-    write_photograph(tmp_path / name, values, bits, black=black, exposure_s=1 / 60)
     camera = Camera(channels="rgb" if channels == 3 else "grey", black=black, white=2.0**bits - 1)
+    write_photograph(tmp_path / name, values, bits, camera, 1 / 60)
     image = read_image(tmp_path / name, camera)
     assert (image.kind, image.size) == (kind, (50, 40))
     assert image.exposure_s == pytest.approx(1 / 60, rel=1e-6)
@@ -84,7 +90,7 @@ def test_what_is_written_is_read_to_half_a_step(
 @pytest.mark.parametrize(("bits", "tolerance"), [(16, 2**-11), (32, 2**-24)])
 def test_exr_is_taken_as_it_is(tmp_path: Path, bits: int, tolerance: float) -> None:
     values = 40 * ramp() - 0.1
-    write_photograph(tmp_path / "a.exr", values, bits)
+    write_exr(tmp_path / "a.exr", values.astype(np.float16 if bits == 16 else np.float32))
     found = read_image(tmp_path / "a.exr", RGB).linear()
     assert np.abs(found - values).max() <= 40 * tolerance
     photo = read(tmp_path, "a.exr")
@@ -96,9 +102,27 @@ def test_exr_is_taken_as_it_is(tmp_path: Path, bits: int, tolerance: float) -> N
 
 
 def test_numbers_below_black_stay_below(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.tif", ramp() - 0.01, 16, black=1000)
-    found = read_image(tmp_path / "a.tif", Camera(black=1000)).linear()
+    camera = Camera(black=1000)
+    write_photograph(tmp_path / "a.tif", ramp() - 0.01, 16, camera)
+    found = read_image(tmp_path / "a.tif", camera).linear()
     assert found.min() == pytest.approx(-0.01, abs=1e-5)
+
+
+@pytest.mark.parametrize("camera", [Camera(black=0.25), Camera(black=0.25, white=2)])
+def test_exr_is_written_with_the_levels_and_not_cut_off(tmp_path: Path, camera: Camera) -> None:
+    values = 0.9 * ramp() - 0.1
+    write_photograph(tmp_path / "a.exr", values, 16, camera)
+    np.testing.assert_allclose(read_image(tmp_path / "a.exr", camera).linear(), values, atol=2e-7)
+    write_photograph(tmp_path / "b.exr", 1e5 * ramp(), 16, RGB)
+    assert read_image(tmp_path / "b.exr", RGB).linear().max() == 1e5
+
+
+def test_srgb_is_written_and_read_to_half_a_code(tmp_path: Path) -> None:
+    values, camera = ramp(), Camera(response="srgb", black=16, white=235)
+    write_photograph(tmp_path / "a.png", values, 8, camera)
+    found = read_image(tmp_path / "a.png", camera).linear()
+    # The curve is steepest at its end: a slope of 2.4 / 1.055.
+    assert np.abs(found - values).max() <= 0.5 / (235 - 16) * 2.4 / 1.055
 
 
 def test_float_and_compressed_tiff(tmp_path: Path) -> None:
@@ -253,7 +277,7 @@ def test_exposure_and_focal_length_come_from_exif_unless_the_capture_tells_them(
 
 
 def test_what_nobody_tells_is_said_so(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.png", ramp(), 16)
+    write_photograph(tmp_path / "a.png", ramp(), 16, RGB)
     photo = read(tmp_path, "a.png")
     assert (photo.exposure_s, photo.sources[0].exposure_from) == (1.0, "nobody")
     assert (photo.focal_px, photo.focal_from) == (None, "nobody")
@@ -263,6 +287,7 @@ def test_what_nobody_tells_is_said_so(tmp_path: Path) -> None:
 
 # A sensor's variance is SHOT · light + READ², in full scales: 40 dB at full scale.
 SHOT, READ = 1e-4, 1e-3
+CAMERA = Camera(black=1024)
 
 
 def shoot(file: Path, radiance: np.ndarray, exposure_s: float, seed: int | None) -> None:
@@ -271,10 +296,9 @@ def shoot(file: Path, radiance: np.ndarray, exposure_s: float, seed: int | None)
     if seed is not None:
         noise = np.random.default_rng(seed).normal(size=light.shape)
         light = light + np.sqrt(SHOT * light + READ**2) * noise
-    write_photograph(file, light, 16, black=1024, exposure_s=exposure_s)
+    write_photograph(file, light, 16, CAMERA, exposure_s)
 
 
-CAMERA = Camera(black=1024)
 EXPOSURES = {"a.tif": 0.16, "c.tif": 0.01, "b.tif": 0.04}
 
 
@@ -359,11 +383,11 @@ def test_memory_does_not_grow_with_the_exposures(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("bits", [8, 16])
 def test_noise_is_never_less_than_rounding(tmp_path: Path, bits: int) -> None:
-    write_photograph(tmp_path / "a.tif", np.full((64, 64, 3), 0.25), bits)
+    write_photograph(tmp_path / "a.tif", np.full((64, 64, 3), 0.25), bits, RGB)
     rounding = 1 / (2**bits - 1) / np.sqrt(12)
     photo = read(tmp_path, "a.tif", exposure_s=0.5)
     assert photo.noise == pytest.approx(rounding / 0.5)
-    write_photograph(tmp_path / "b.tif", np.full((64, 64, 3), 0.5), bits)
+    write_photograph(tmp_path / "b.tif", np.full((64, 64, 3), 0.5), bits, RGB)
     photo = merged(tmp_path, {"a.tif": 0.5, "b.tif": 1})
     assert photo.noise == pytest.approx(np.sqrt(1.5) * rounding / (0.5**1.5 + 1))
 
@@ -389,7 +413,7 @@ def test_unreadable_files_are_refused(tmp_path: Path, name: str, damage: str) ->
     elif damage == "half" and name == "a.jpg":
         Image.fromarray((numbers >> 4).astype(np.uint8)).save(file)
     elif damage == "half" and name != "a.txt":
-        write_photograph(file, np.repeat(numbers[..., None], 3, axis=-1) / 4096, 16)
+        write_photograph(file, np.repeat(numbers[..., None], 3, axis=-1) / 4096, 16, RGB)
     elif damage != "missing":
         file.write_text("" if damage == "empty" else "no picture at all")
     if damage == "half" and file.exists():
@@ -401,10 +425,10 @@ def test_unreadable_files_are_refused(tmp_path: Path, name: str, damage: str) ->
 
 
 def test_channels_that_the_camera_has_not_are_refused(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.tif", ramp(3), 16)
+    write_photograph(tmp_path / "a.tif", ramp(3), 16, RGB)
     with refused(tmp_path / "a.tif", "channels", 3, "camera.channels is grey"):
         read_image(tmp_path / "a.tif", GREY)
-    write_photograph(tmp_path / "b.png", ramp(1), 16)
+    write_photograph(tmp_path / "b.png", ramp(1), 16, RGB)
     with refused(tmp_path / "b.png", "channels", 1, "camera.channels is rgb"):
         read_image(tmp_path / "b.png", RGB)
     write_exr(tmp_path / "c.exr", np.ones((20, 20, 4), np.float32))
@@ -455,21 +479,21 @@ def test_tiff_of_planes_or_pages_is_refused(tmp_path: Path) -> None:
 def test_numbers_that_are_not_finite_are_counted(tmp_path: Path, odd: float) -> None:
     values = ramp()
     values[3, 4:6, 1] = odd
-    write_photograph(tmp_path / "a.exr", values, 32)
+    write_photograph(tmp_path / "a.exr", values, 32, RGB)
     with refused(tmp_path / "a.exr", "numbers", "2 not finite", "all finite"):
         read_image(tmp_path / "a.exr", RGB)
 
 
 def test_light_far_below_none_is_refused(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.exr", 4 * ramp() - 0.5, 32)
+    write_photograph(tmp_path / "a.exr", 4 * ramp() - 0.5, 32, RGB)
     assert read_image(tmp_path / "a.exr", RGB).linear().min() == -0.5
-    write_photograph(tmp_path / "b.exr", 4 * ramp() - 1.5, 32)
+    write_photograph(tmp_path / "b.exr", 4 * ramp() - 1.5, 32, RGB)
     with refused(tmp_path / "b.exr", "numbers", "-1.5 to 2.5 over black", "0 and more"):
         read_image(tmp_path / "b.exr", RGB)
 
 
 def test_levels_and_responses_that_the_file_cannot_have_are_refused(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.png", ramp(), 8)
+    write_photograph(tmp_path / "a.png", ramp(), 8, RGB)
     file = tmp_path / "a.png"
     with refused(file, "camera.white", 4095.0, "0 to 255"):
         read_image(file, Camera(white=4095))
@@ -477,22 +501,22 @@ def test_levels_and_responses_that_the_file_cannot_have_are_refused(tmp_path: Pa
         read_image(file, Camera(black=300))
     with refused(file, "camera.black", 255.0, "below 255"):
         read_image(file, Camera(black=255))
-    write_photograph(tmp_path / "b.png", 0.1 * ramp(), 8)
+    write_photograph(tmp_path / "b.png", 0.1 * ramp(), 8, RGB)
     with refused(tmp_path / "b.png", "camera.black", "100, above 100 % of the numbers", "no light"):
         read_image(tmp_path / "b.png", Camera(black=100))
-    write_photograph(tmp_path / "a.exr", ramp(), 16)
+    write_photograph(tmp_path / "a.exr", ramp(), 16, RGB)
     with refused(tmp_path / "a.exr", "camera.response", "srgb", "linear: EXR"):
         read_image(tmp_path / "a.exr", SRGB)
 
 
 def test_small_black_and_clipped_pictures_are_refused(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "small.tif", ramp(3, 15, 90), 16)
+    write_photograph(tmp_path / "small.tif", ramp(3, 15, 90), 16, RGB)
     with refused(tmp_path / "small.tif", "size", "90 × 15", "16 × 16 pixels or more"):
         read(tmp_path, "small.tif")
-    write_photograph(tmp_path / "black.tif", np.zeros((20, 20, 3)), 16)
+    write_photograph(tmp_path / "black.tif", np.zeros((20, 20, 3)), 16, RGB)
     with refused(tmp_path / "black.tif", "numbers", "all black", "some light"):
         read(tmp_path, "black.tif")
-    write_photograph(tmp_path / "white.tif", np.ones((20, 20, 3)), 16)
+    write_photograph(tmp_path / "white.tif", np.ones((20, 20, 3)), 16, RGB)
     with refused(tmp_path / "white.tif", "numbers", "all clipped", "short enough"):
         read(tmp_path, "white.tif")
 
@@ -512,8 +536,8 @@ def test_a_bracket_of_another_exposure_than_told_is_refused(tmp_path: Path) -> N
 
 
 def test_sizes_that_differ_are_refused(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.tif", ramp(3, 40, 50), 16, exposure_s=0.1)
-    write_photograph(tmp_path / "b.tif", ramp(3, 50, 40), 16, exposure_s=0.2)
+    write_photograph(tmp_path / "a.tif", ramp(3, 40, 50), 16, RGB, 0.1)
+    write_photograph(tmp_path / "b.tif", ramp(3, 50, 40), 16, RGB, 0.2)
     with refused(tmp_path / "b.tif", "size", "40 × 50", "50 × 40 pixels, as a.tif has"):
         merged(tmp_path, {"a.tif": 0.1, "b.tif": 0.2})
     with refused(tmp_path / "b.tif", "size", "40 × 50", "50 × 40 pixels, as a.tif has"):
@@ -521,8 +545,8 @@ def test_sizes_that_differ_are_refused(tmp_path: Path) -> None:
 
 
 def test_exposures_known_of_some_only_are_refused(tmp_path: Path) -> None:
-    write_photograph(tmp_path / "a.tif", ramp(), 16, exposure_s=0.1)
-    write_photograph(tmp_path / "b.tif", ramp(), 16)
+    write_photograph(tmp_path / "a.tif", ramp(), 16, RGB, 0.1)
+    write_photograph(tmp_path / "b.tif", ramp(), 16, RGB)
     for names in (("a.tif", "b.tif"), ("b.tif", "a.tif")):
         with refused(tmp_path / "b.tif", "exposure_s", None, "as a.tif has one"):
             list(read_photographs(capture(*names), tmp_path))
@@ -535,17 +559,23 @@ def capture(*names: str) -> Capture:
 
 
 @pytest.mark.parametrize(
-    ("name", "bits", "field", "expected"),
+    ("name", "bits", "camera", "field", "value", "expected"),
     [
-        ("a.jpg", 8, "extension", ".tif"),
-        ("a.tif", 10, "bits", "12"),
-        ("a.exr", 8, "bits", "16, 32"),
+        ("a.jpg", 8, RGB, "extension", ".jpg", ".tif"),
+        ("a.tif", 10, RGB, "bits", 10, "12"),
+        ("a.tif", 12, RGB, "camera.white", None, "4095"),
+        ("a.png", 12, Camera(white=65535), "camera.white", 65535.0, "4095 at most"),
     ],
 )
 def test_what_cannot_be_written_is_refused(
-    tmp_path: Path, name: str, bits: int, field: str, expected: str
+    tmp_path: Path,
+    name: str,
+    bits: int,
+    camera: Camera,
+    field: str,
+    value: object,
+    expected: str,
 ) -> None:
-    value = ".jpg" if field == "extension" else bits
     with refused(tmp_path / name, field, value, expected):
-        write_photograph(tmp_path / name, ramp(), bits)
+        write_photograph(tmp_path / name, ramp(), bits, camera)
     assert not list(tmp_path.iterdir())
