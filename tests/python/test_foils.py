@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute.foils import polygons_foil
+from precompute.foils.polygons import polygons_foil
+from precompute.foils.recipe import PolygonsFoilRecipe
 from precompute.maps import Map
-from precompute.recipes import PolygonsFoilRecipe
 
 RECIPE = PolygonsFoilRecipe(kind="foil", design="polygons", periods=(1.2, 1.66, 2.0))
 
@@ -83,7 +83,7 @@ def test_eight_bits_hold_the_design(tmp_path: Path) -> None:
 def test_the_first_row_of_the_image_is_the_top(monkeypatch: pytest.MonkeyPatch) -> None:
     """Polygons about v = 0.85 and about v = 0.35: upside down they would change places."""
     points = np.array([[0.5, 0.85], [0.5, 0.35]])
-    monkeypatch.setattr("precompute.foils._spread_points", lambda rng, count: points)
+    monkeypatch.setattr("precompute.foils.polygons.spread_points", lambda rng, count: points)
     recipe = RECIPE.model_copy(
         update={"polygons": 2, "orientations": 2, "size": 64, "border": 0.0, "periods": (1.0,)}
     )
