@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from precompute.foils.pieces import Pieces, foil_of_pieces
-from precompute.foils.places import from_nearest, room, spread_points
+from precompute.foils.places import ROOMY, from_nearest, room, spread_points
 from precompute.foils.recipe import CirclesFoilRecipe
 from precompute.maps import Map
 
@@ -13,7 +13,7 @@ from precompute.maps import Map
 def circles_foil(recipe: CirclesFoilRecipe) -> Map:
     """A tile of discs, each of which touches its nearest neighbour's disc at most."""
     rng = np.random.default_rng(recipe.seed)
-    points = spread_points(rng, recipe.circles)
+    points = spread_points(rng, recipe.circles, ROOMY)
     disc, distance, _, to_cell = from_nearest(points, recipe.size)
     width = room(points)[disc] / recipe.rings
     ring = np.minimum((distance / width).astype(np.intp), recipe.rings)  # the last is the ground
@@ -25,5 +25,8 @@ def circles_foil(recipe: CirclesFoilRecipe) -> Map:
     bare = to_seam < recipe.border
     if not recipe.ground:
         bare |= ground
-    pieces = Pieces(ring * recipe.circles + disc, bare, (recipe.circles,) * (recipe.rings + 1))
+    # From ring to ring by an equal step; all equally often on the tile.
+    step = max(recipe.orientations // (recipe.rings + 1), 1)
+    turn = rng.permutation(recipe.circles)[:, None] + step * np.arange(recipe.rings + 1)
+    pieces = Pieces(disc * (recipe.rings + 1) + ring, bare, turn.ravel())
     return foil_of_pieces(recipe, pieces, rng)

@@ -22,17 +22,16 @@ class Pieces:
     Attributes:
         index: The piece of each texel, shape (rows, columns).
         bare: Texels that do not diffract, of that shape.
-        groups: Numbers of pieces of like size, which follow one another in `index`: each group
-            shares out orientations and periods on its own.
+        turn: Each piece's turn in the round robin of orientations, shape (pieces,).
     """
 
     index: NDArray[np.intp]
     bare: NDArray[np.bool_]
-    groups: tuple[int, ...]
+    turn: NDArray[np.intp]
 
 
 def foil_of_pieces(recipe: DrawnFoilRecipe, pieces: Pieces, rng: np.random.Generator) -> Map:
-    """Give each piece its grating: a shuffled round robin, so that all occur equally often.
+    """Give each piece its grating: orientations as it is their turn, periods shuffled.
 
     Args:
         recipe: Which orientations and periods there are.
@@ -42,16 +41,15 @@ def foil_of_pieces(recipe: DrawnFoilRecipe, pieces: Pieces, rng: np.random.Gener
     Returns:
         The map of the tile.
     """
-    turn = np.concatenate([rng.permutation(count) for count in pieces.groups])
-    θ = np.pi * (turn % recipe.orientations) / recipe.orientations
+    θ = np.pi * (pieces.turn % recipe.orientations) / recipe.orientations
+    place = rng.permutation(pieces.turn.size)[pieces.index]
     if recipe.period_range is None:
         periods = np.asarray(recipe.periods, float)
-        period = periods[(turn // recipe.orientations) % periods.size][pieces.index]
+        period = periods[place % periods.size]
     else:
         shortest, longest = recipe.period_range
-        if recipe.variation == "pieces":
-            share = rng.permutation(turn.size)[pieces.index] / (turn.size - 1)
-        else:
+        share = place / (pieces.turn.size - 1)
+        if recipe.variation == "smooth":
             x, y = texel_places(recipe.size)
             share = (2 - np.cos(2 * np.pi * x) - np.cos(2 * np.pi * y)) / 4
         period = shortest + (longest - shortest) * share

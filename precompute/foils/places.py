@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 Array = NDArray[np.float64]
+ROOMY = 100
+"""Candidates for points that leave discs about them much room."""
 
 
 def texel_places(size: int) -> tuple[Array, Array]:
@@ -16,13 +18,13 @@ def texel_places(size: int) -> tuple[Array, Array]:
     return x, y
 
 
-def spread_points(rng: np.random.Generator, count: int) -> Array:
-    """Points, none very close to another: each the best of ten candidates. Shape (count, 2)."""
+def spread_points(rng: np.random.Generator, count: int, candidates: int = 10) -> Array:
+    """Points, none very close to another: each the best of some candidates. Shape (count, 2)."""
     points = rng.random((1, 2))
     while len(points) < count:
-        candidates = rng.random((10, 2))
-        distance, _ = KDTree(points, boxsize=1).query(candidates)
-        points = np.concatenate([points, candidates[[np.argmax(distance)]]])
+        places = rng.random((candidates, 2))
+        distance, _ = KDTree(points, boxsize=1).query(places)
+        points = np.concatenate([points, places[[np.argmax(distance)]]])
     return points
 
 

@@ -15,5 +15,6 @@ def polygons_foil(recipe: PolygonsFoilRecipe) -> Map:
     rng = np.random.default_rng(recipe.seed)
     points = spread_points(rng, recipe.polygons)
     cell, _, _, to_border = from_nearest(points, recipe.size)
-    pieces = Pieces(cell, to_border < 2 * recipe.border, (recipe.polygons,))
+    turn = rng.permutation(recipe.polygons)
+    pieces = Pieces(cell, to_border < 2 * recipe.border, turn)
     return foil_of_pieces(recipe, pieces, rng)

@@ -44,7 +44,7 @@ class DrawnFoilRecipe(FoilRecipe):
             periods listed.
         variation: How periods fill their range: ``pieces``, each piece has one of its own, at
             equal steps; ``smooth``, they rise and fall once along either side of the tile.
-        periods: The gratings' periods, µm, taken in turn; 1.66 where no range is stated.
+        periods: The gratings' periods, µm, equally often; 1.66 where no range is stated.
         border: Width of the undiffracting seam between pieces, as a share of the tile's side.
     """
 
@@ -114,6 +114,8 @@ class StarsFoilRecipe(DrawnFoilRecipe):
 
 class CirclesFoilRecipe(DrawnFoilRecipe):
     """Discs of concentric rings scattered over the tile, and the ground between them.
+
+    From ring to ring, and on to the ground, the orientation turns by an equal step.
 
     Attributes:
         circles: How many discs.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from precompute.foils.pieces import Pieces, foil_of_pieces
-from precompute.foils.places import from_nearest, room, spread_points
+from precompute.foils.places import ROOMY, from_nearest, room, spread_points
 from precompute.foils.recipe import StarsFoilRecipe
 from precompute.maps import Map
 
@@ -13,7 +13,7 @@ from precompute.maps import Map
 def stars_foil(recipe: StarsFoilRecipe) -> Map:
     """A tile of stars, turned at random, that touch the nearest of the others' discs at most."""
     rng = np.random.default_rng(recipe.seed)
-    points = spread_points(rng, recipe.stars)
+    points = spread_points(rng, recipe.stars, ROOMY)
     turned = rng.random(recipe.stars) * 2 * np.pi
     star, distance, direction, to_cell = from_nearest(points, recipe.size)
     tip = room(points)[star]
@@ -37,6 +37,7 @@ def stars_foil(recipe: StarsFoilRecipe) -> Map:
     bare = to_seam < recipe.border
     if not recipe.ground:
         bare |= ~inside
-    index = np.where(inside, star * facets + facet, recipe.stars * facets + star)
-    groups = (recipe.stars * facets, recipe.stars)
-    return foil_of_pieces(recipe, Pieces(index, bare, groups), rng)
+    index = np.where(inside, star * (facets + 1) + facet, star * (facets + 1) + facets)
+    # Different in all pieces of a star, as far as orientations go; all equally often on the tile.
+    turn = rng.permutation(recipe.stars)[:, None] + rng.permutation(facets + 1)
+    return foil_of_pieces(recipe, Pieces(index, bare, turn.ravel()), rng)

@@ -91,7 +91,7 @@ def _texture(
 ) -> NDArray[np.intp]:
     """The shape at each texel, −1 where there is none."""
     side = recipe.shape_mm / recipe.tile_mm
-    if recipe.shape == "polygons":
+    if recipe.cover is None:  # polygons
         return from_nearest(rng.random((round(1 / side**2), 2)), recipe.size)[0]
     figure = _figure(recipe, folder)
     count = np.ceil(recipe.cover / (side**2 * shapes.area(figure)))
