@@ -45,7 +45,8 @@ class DrawnFoilRecipe(FoilRecipe):
         variation: How periods fill their range: ``pieces``, each piece has one of its own, at
             equal steps; ``smooth``, they rise and fall once along either side of the tile.
         periods: The gratings' periods, µm, equally often; 1.66 where no range is stated.
-        border: Width of the undiffracting seam between pieces, as a share of the tile's side.
+        border: How far pieces end from where they would meet, as a share of the tile's side: an
+            undiffracting seam of twice that width lies between them.
     """
 
     orientations: Annotated[int, Field(ge=1, le=256)] = 12
