@@ -59,7 +59,7 @@ class GratingDistribution:
 
     def __post_init__(self) -> None:
         θ, f = _edges(self, "orientation_edges"), _edges(self, "frequency_edges")
-        if θ[-1] - θ[0] > np.pi * (1 + 1e-12):
+        if θ[-1] - θ[0] > np.pi + 1e-5:  # π may have been typed as 3.1416
             raise _wrong("orientation_edges", float(θ[-1] - θ[0]), "a span of pi at most")
         if f[0] <= 0:
             raise _wrong("frequency_edges", float(f[0]), "above 0 (1/um)")

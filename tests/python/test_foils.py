@@ -16,6 +16,7 @@ from precompute.foils.recipe import (
     StarsFoilRecipe,
 )
 from precompute.foils.stars import stars_foil
+from precompute.inspection import write_pictures
 from precompute.maps import Map, Table
 
 PERIODS = (1.2, 1.66, 2.0)
@@ -251,6 +252,8 @@ def test_a_map_of_gratings_of_any_origin(tmp_path: Path) -> None:
     made.write(tmp_path, "foil")
     read = Map.read(tmp_path / "foil")
     assert set(read.tables) == {"grating", "confidence"}
+    pictures = write_pictures(tmp_path / "foil", tmp_path / "pictures")
+    assert [p.name for p in pictures] == ["foil-grating.png", "foil-confidence.png"]
     turned = (orientation(read.tables["grating"].values) - np.rad2deg(θ) + 90) % 180 - 90
     assert np.abs(turned).max() < 0.17
     assert read.tables["grating"].values[..., 3] == pytest.approx(strength, abs=0.5 / 255)
