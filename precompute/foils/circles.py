@@ -13,6 +13,10 @@ from precompute.maps import Map
 def circles_foil(recipe: CirclesFoilRecipe) -> Map:
     """A tile of discs, each of which touches its nearest neighbour's disc at most."""
     rng = np.random.default_rng(recipe.seed)
+    return foil_of_pieces(recipe, _parted(recipe, rng), rng)
+
+
+def _parted(recipe: CirclesFoilRecipe, rng: np.random.Generator) -> Pieces:
     points = spread_points(rng, recipe.circles, ROOMY)
     disc, distance, _, to_cell = from_nearest(points, recipe.size)
     width = room(points)[disc] / recipe.rings
@@ -28,5 +32,4 @@ def circles_foil(recipe: CirclesFoilRecipe) -> Map:
     # From ring to ring by an equal step; all equally often on the tile.
     step = max(recipe.orientations // (recipe.rings + 1), 1)
     turn = rng.permutation(recipe.circles)[:, None] + step * np.arange(recipe.rings + 1)
-    pieces = Pieces(disc * (recipe.rings + 1) + ring, bare, turn.ravel())
-    return foil_of_pieces(recipe, pieces, rng)
+    return Pieces(disc * (recipe.rings + 1) + ring, bare, turn.ravel())

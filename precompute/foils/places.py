@@ -29,23 +29,28 @@ def spread_points(rng: np.random.Generator, count: int, candidates: int = 10) ->
 
 
 def from_nearest(points: Array, size: int) -> tuple[NDArray[np.intp], Array, Array, Array]:
-    """The point nearest to each texel, and where the texel lies as seen from there.
+    """The point nearest to each texel, where the texel lies as seen from there, and from the next.
 
     Args:
         points: Two or more, shape (count, 2).
         size: Texels along a side.
 
     Returns:
-        The point's index; the texel's distance from it; its direction, rad; and the width of the
-        band about the border with the next point's cell in which it would just lie. Each of shape
-        (size, size).
+        The point's index; the texel's distance from it; its direction, rad; and how much further
+        the next point is, which on the line between the two is twice the distance from the
+        border of their cells. Each of shape (size, size).
     """
-    x, y = texel_places(size)
-    distances, nearest = KDTree(points, boxsize=1).query(np.stack([x, y], axis=-1), k=2)
-    cell = np.asarray(nearest)[..., 0]
-    apart = np.mod(np.stack([x, y], axis=-1) - points[cell] + 0.5, 1) - 0.5
-    direction = np.arctan2(apart[..., 1], apart[..., 0])
-    return cell, distances[..., 0], direction, distances[..., 1] - distances[..., 0]
+    tree = KDTree(points, boxsize=1)
+    cell = np.empty((size, size), np.intp)
+    distance, direction, gap = (np.empty((size, size)) for _ in range(3))
+    for row, places in enumerate(np.stack(texel_places(size), axis=-1)):
+        distances, nearest = tree.query(places, k=2)
+        cell[row] = np.asarray(nearest)[:, 0]
+        distance[row] = distances[:, 0]
+        gap[row] = distances[:, 1] - distances[:, 0]
+        apart = np.mod(places - points[cell[row]] + 0.5, 1) - 0.5
+        direction[row] = np.arctan2(apart[:, 1], apart[:, 0])
+    return cell, distance, direction, gap
 
 
 def room(points: Array) -> Array:

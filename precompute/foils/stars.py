@@ -13,6 +13,10 @@ from precompute.maps import Map
 def stars_foil(recipe: StarsFoilRecipe) -> Map:
     """A tile of stars, turned at random, that touch the nearest of the others' discs at most."""
     rng = np.random.default_rng(recipe.seed)
+    return foil_of_pieces(recipe, _parted(recipe, rng), rng)
+
+
+def _parted(recipe: StarsFoilRecipe, rng: np.random.Generator) -> Pieces:
     points = spread_points(rng, recipe.stars, ROOMY)
     turned = rng.random(recipe.stars) * 2 * np.pi
     star, distance, direction, to_cell = from_nearest(points, recipe.size)
@@ -37,7 +41,7 @@ def stars_foil(recipe: StarsFoilRecipe) -> Map:
     bare = to_seam < recipe.border
     if not recipe.ground:
         bare |= ~inside
-    index = np.where(inside, star * (facets + 1) + facet, star * (facets + 1) + facets)
+    index = star * (facets + 1) + np.where(inside, facet, facets)
     # Different in all pieces of a star, as far as orientations go; all equally often on the tile.
     turn = rng.permutation(recipe.stars)[:, None] + rng.permutation(facets + 1)
-    return foil_of_pieces(recipe, Pieces(index, bare, turn.ravel()), rng)
+    return Pieces(index, bare, turn.ravel())
