@@ -263,10 +263,36 @@ def colour_brdf(grating: Grating, wi: Array, wo: Array, light: Light) -> Array:
     """
     spectrum = tint_basis() @ np.asarray(light.tint)
     weights = spectrum[:, None] * colour_weights(light.observer, light.illuminant)
-    result = np.zeros((len(wi), 3))
-    for λ, weight in zip(WAVELENGTHS, weights, strict=True):
-        f = spectral_brdf(grating, wi, wo, np.full(len(wi), λ), light.angular_radius)
-        result += WAVELENGTH_STEP * f[:, None] * weight
+    return weighted_brdf(grating, wi, wo, weights, light.angular_radius)
+
+
+def weighted_brdf(
+    grating: Grating,
+    wi: Array,
+    wo: Array,
+    weights: Array,
+    angular_radius: float,
+    step: int = 1,
+) -> Array:
+    """∫ W(λ) f_r(ω_i, ω_o, λ) dλ for the channels of an observer or a sensor.
+
+    Args:
+        grating: The grating.
+        wi: ω_i, shape (n, 3).
+        wo: ω_o, shape (n, 3).
+        weights: W on `WAVELENGTHS`, light times sensitivity, shape (401, channels).
+        angular_radius: α, rad.
+        step: Every so-many-th wavelength is evaluated.
+
+    Returns:
+        Shape (n, channels).
+    """
+    result = np.zeros((len(wi), weights.shape[1]))
+    for λ, weight in zip(WAVELENGTHS[::step], weights[::step], strict=True):
+        if not np.any(weight):
+            continue
+        f = spectral_brdf(grating, wi, wo, np.full(len(wi), λ), angular_radius)
+        result += step * WAVELENGTH_STEP * f[:, None] * weight
     return result
 
 

@@ -7,6 +7,7 @@ in the first line of each file of ``precompute/data/metals``. Wavelengths are in
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Literal, get_args
@@ -172,6 +173,40 @@ def xyz_to_linear_srgb(observer: Observer, light: str | Path) -> Array:
     return to_srgb @ adaptation
 
 
+def spectral_columns(file: Path, names: Sequence[str]) -> Array:
+    """Columns of a CSV over wavelength on `WAVELENGTHS`, linear between its rows, zero beyond.
+
+    Args:
+        file: With a column ``wavelength_um`` (or ``wavelength_nm``), rising, and those of `names`.
+        names: Columns to read; none may be negative.
+
+    Returns:
+        Shape (401, len(names)).
+
+    Raises:
+        InputError: The file cannot be read, a column is missing or holds what it may not.
+    """
+    try:
+        text = file.read_text("utf-8-sig")
+    except (OSError, ValueError) as failure:
+        raise unreadable(file, failure) from failure
+    table = Columns(file, text.splitlines())
+    unit = {"wavelength_um": 1.0, "wavelength_nm": 1e-3}
+    column = next((name for name in table.header if name in unit), None)
+    if column is None or any(name not in table.header for name in names):
+        expected = f"columns wavelength_um (or wavelength_nm) and {', '.join(names)}"
+        raise InputError(file, "header", ",".join(table.header), expected)
+    rows = [rows.numbers for rows in table.read((column, *names))]
+    wavelength = np.concatenate([numbers[column] for numbers in rows]) * unit[column]
+    if len(wavelength) < 2 or not np.all(np.diff(wavelength) > 0):
+        raise InputError(file, column, wavelength.tolist(), "two or more rising wavelengths")
+    columns = [np.concatenate([numbers[name] for numbers in rows]) for name in names]
+    for name, values in zip(names, columns, strict=True):
+        if values.min() < 0:
+            raise InputError(file, name, values[values < 0].tolist(), "no negative numbers")
+    return _on_grid(wavelength, np.stack(columns, axis=-1))
+
+
 def _on_grid(wavelength: ArrayLike, values: ArrayLike) -> Array:
     """Linear interpolation to `WAVELENGTHS` (the CIE's own rule for D65), zero outside the data."""
     wavelength, values = np.asarray(wavelength), np.asarray(values)
@@ -189,24 +224,7 @@ def _refractive_index(metal: Metal) -> tuple[Array, Array, Array]:
 
 
 def _illuminant_from_csv(file: Path) -> Array:
-    try:
-        text = file.read_text("utf-8-sig")
-    except (OSError, ValueError) as failure:
-        raise unreadable(file, failure) from failure
-    table = Columns(file, text.splitlines())
-    unit = {"wavelength_um": 1.0, "wavelength_nm": 1e-3}
-    column = next((name for name in table.header if name in unit), None)
-    if column is None or "power" not in table.header:
-        expected = "columns wavelength_um (or wavelength_nm) and power"
-        raise InputError(file, "header", ",".join(table.header), expected)
-    rows = [rows.numbers for rows in table.read((column, "power"))]
-    wavelength = np.concatenate([numbers[column] for numbers in rows]) * unit[column]
-    power = np.concatenate([numbers["power"] for numbers in rows])
-    if len(power) < 2 or not np.all(np.diff(wavelength) > 0):
-        raise InputError(file, column, wavelength.tolist(), "two or more rising wavelengths")
-    if power.min() < 0:
-        raise InputError(file, "power", power[power < 0].tolist(), "no negative numbers")
-    on_grid = _on_grid(wavelength, power)
+    on_grid = spectral_columns(file, ("power",))[:, 0]
     if on_grid.max() <= 0:
         raise InputError(file, "power", "no light between 0.38 and 0.78 um", "some visible light")
     return on_grid

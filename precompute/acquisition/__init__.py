@@ -1,0 +1,1 @@
+"""Foils from photographs: what a capture is told, its simulation, and its solution."""
