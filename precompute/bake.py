@@ -6,7 +6,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from precompute.efficiencies import profile_map
-from precompute.foils import polygons_foil
+from precompute.foils.circles import circles_foil
+from precompute.foils.polygons import polygons_foil
+from precompute.foils.recipe import (
+    CirclesFoilRecipe,
+    PolygonsFoilRecipe,
+    StarsFoilRecipe,
+    StochasticFoilRecipe,
+)
+from precompute.foils.stars import stars_foil
+from precompute.foils.stochastic import stochastic_foil
 from precompute.height_fields.baked import baked_map
 from precompute.height_fields.expansion import check_taylor
 from precompute.height_fields.prepare import prepared
@@ -17,7 +26,6 @@ from precompute.maps import Map
 from precompute.recipes import (
     LobesRecipe,
     MetalsRecipe,
-    PolygonsFoilRecipe,
     ProfileRecipe,
     Recipe,
     read_recipe,
@@ -59,6 +67,12 @@ def baked_maps(recipe: Recipe, file: Path) -> Iterator[tuple[str, Map]]:
             yield "", metals_map(recipe)
         case PolygonsFoilRecipe():
             yield "", polygons_foil(recipe)
+        case StarsFoilRecipe():
+            yield "", stars_foil(recipe)
+        case CirclesFoilRecipe():
+            yield "", circles_foil(recipe)
+        case StochasticFoilRecipe():
+            yield "", stochastic_foil(recipe, file.parent)
         case HeightFieldRecipe():
             yield from _height_field_maps(recipe, file)
 

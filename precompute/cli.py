@@ -20,6 +20,9 @@ from precompute.progress import console, tracked
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
+design = typer.Typer(no_args_is_help=True, help="Design a foil from what was measured.")
+app.add_typer(design, name="design")
+
 
 @app.callback()
 def main() -> None:
@@ -154,6 +157,52 @@ def report(
             raise typer.Exit(1) from error
     message = f"{len(made.rows)} rows in {folder / 'index.md'}"
     console.print(message, markup=False, soft_wrap=True)
+
+
+@design.command()
+def stochastic(
+    distribution: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DISTRIBUTION.json", help="How often which orientations and periods occur."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, with its folder.")
+    ],
+    shape: Annotated[
+        str | None, typer.Option(help="discs, squares, polygons or mask; squares without it.")
+    ] = None,
+    mask: Annotated[Path | None, typer.Option(help="PNG of the shape mask.")] = None,
+    shape_mm: Annotated[float | None, typer.Option(help="Size of a shape, mm.")] = None,
+    cover: Annotated[
+        float | None, typer.Option(help="How many times over shapes would cover the tile.")
+    ] = None,
+    size: Annotated[int | None, typer.Option(help="Texels along a side of the tile.")] = None,
+    tile_mm: Annotated[float | None, typer.Option(help="Side of the tile, mm.")] = None,
+    height: Annotated[float | None, typer.Option(help="Of the gratings, um.")] = None,
+    profile: Annotated[str | None, typer.Option(help="Of the gratings; a baked one.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the random arrangement.")] = None,
+) -> None:
+    """Strew shapes whose gratings are drawn from a distribution: a map NAME.json and its PNG."""
+    from precompute.foils.stochastic import design_from_file
+
+    options = {
+        "shape": shape,
+        "mask": mask,
+        "shape_mm": shape_mm,
+        "cover": cover,
+        "size": size,
+        "tile_mm": tile_mm,
+        "height": height,
+        "profile": profile,
+        "seed": seed,
+    }
+    with one_line_errors():
+        stated = {name: value for name, value in options.items() if value is not None}
+        foil = design_from_file(distribution, stated)
+        for file in foil.write(output.parent, output.name.removesuffix(".json")):
+            console.print(str(file), markup=False, soft_wrap=True)
 
 
 @contextmanager

@@ -65,7 +65,7 @@ def write_pictures(file: Path, folder: Path) -> list[Path]:
     name = sidecar_file(file).stem
     written = []
     for key, table in baked.tables.items():
-        if baked.kind == "foil":
+        if baked.kind == "foil" and key == "grating":
             figure = _foil(baked, table)
         elif key == "lobe":
             figure = _lobe(baked, table)

@@ -18,6 +18,7 @@ from pydantic import (
 )
 
 from precompute.errors import unreadable
+from precompute.foils.recipe import AnyFoilRecipe
 from precompute.gratings import Grating, Light, Positive
 from precompute.height_fields.recipe import HeightFieldRecipe
 from precompute.methods import Method
@@ -85,34 +86,6 @@ class MetalsRecipe(_Recipe):
     wavenumbers: Annotated[int, Field(ge=8, le=4096)] = 128
 
 
-class PolygonsFoilRecipe(_Recipe):
-    """A repeating tile of polygons, each a grating of its own orientation.
-
-    Attributes:
-        size: Texels along each side of the tile.
-        tile_mm: Its side, mm.
-        polygons: How many.
-        orientations: How many different ones, at equal steps over 180°.
-        periods: Their gratings' periods, µm, taken in turn.
-        height: Of all gratings, µm.
-        profile: Name of a baked profile.
-        border: Width of the undiffracting seam between polygons, as a share of the tile's side.
-        seed: Of the random arrangement.
-    """
-
-    kind: Literal["foil"]
-    design: Literal["polygons"]
-    size: Annotated[int, Field(ge=16, le=4096)] = 256
-    tile_mm: Positive = 25.0
-    polygons: Annotated[int, Field(ge=2, le=4096)] = 48
-    orientations: Annotated[int, Field(ge=1, le=256)] = 12
-    periods: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.66,)
-    height: Positive = 0.15
-    profile: str = "sinusoidal"
-    border: Annotated[float, Field(ge=0, lt=0.1)] = 0.004
-    seed: int = 1
-
-
 class GratingRecipe(Grating, Light):
     """A grating, the light on it and the method that is asked about it; nothing is baked from it.
 
@@ -152,7 +125,7 @@ class GratingRecipe(Grating, Light):
 
 
 Recipe: TypeAlias = Annotated[
-    ProfileRecipe | LobesRecipe | MetalsRecipe | PolygonsFoilRecipe | HeightFieldRecipe,
+    ProfileRecipe | LobesRecipe | MetalsRecipe | AnyFoilRecipe | HeightFieldRecipe,
     Field(discriminator="kind"),
 ]
 

@@ -17,8 +17,9 @@ def first_failure(
     Args:
         file: What was validated.
         failure: What pydantic says of it.
-        contents: The validated contents where unions are told apart by a field ``kind``: pydantic
-            puts the kind into a field's path, and it is taken out again.
+        contents: The validated contents where unions are told apart by a field ``kind``, and
+            those of one kind by a field ``design``: pydantic puts both into a field's path, and
+            they are taken out again.
     """
     first = failure.errors()[0]
     path = _without_kinds(first["loc"], contents)
@@ -32,27 +33,34 @@ def first_failure(
         case "missing":
             value, expected = None, "a value; the field is missing"
         case "union_tag_invalid":
-            path.append("kind")
+            path.append(context["discriminator"].strip("'"))
             value = context["tag"]
             expected = f"one of {context['expected_tags']}"
         case "union_tag_not_found":
-            path.append("kind")
-            value, expected = None, "a kind; the field is missing"
+            missing = context["discriminator"].strip("'")
+            path.append(missing)
+            value, expected = None, f"a {missing}; the field is missing"
     field = ".".join(str(part) for part in path) or "contents"
     return InputError(file, field, value, expected)
 
 
 def _without_kinds(path: tuple[int | str, ...], contents: object) -> list[int | str]:
     result: list[int | str] = []
-    here, named = contents, False  # named: the kind of `here` has been passed
+    here, kinds = contents, _kinds(contents)  # kinds: those of `here` that are not yet passed
     for part in path:
-        kind = here.get("kind") if isinstance(here, dict) else here
-        if part == kind and not named:
-            named = True
+        if kinds and part == kinds[0]:
+            kinds = kinds[1:]
             continue
         result.append(part)
-        here, named = _child(here, part), False
+        here = _child(here, part)
+        kinds = _kinds(here)
     return result
+
+
+def _kinds(contents: object) -> list[object]:
+    if not isinstance(contents, dict):
+        return [contents]  # a name alone stands for its kind
+    return [contents[field] for field in ("kind", "design") if field in contents]
 
 
 def _child(parent: object, part: int | str) -> object:

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from precompute.bake import bake
-from precompute.foils import polygons_foil
+from precompute.foils.polygons import polygons_foil
+from precompute.foils.recipe import PolygonsFoilRecipe
 from precompute.maps import Map
-from precompute.recipes import PolygonsFoilRecipe
 from precompute.report import browser
 from precompute.report.minification import (
     FOILS,

@@ -10,6 +10,7 @@ from refusals import refused
 from precompute.bake import bake
 from precompute.recipes import read_grating_recipe, read_recipe
 
+STARS = {"kind": "foil", "design": "stars"}
 GRATING = {"kind": "grating", "period": 1.6, "height": 0.1}
 NAN, INFINITY = float("nan"), float("inf")
 
@@ -83,6 +84,27 @@ def test_bad_grating_recipe_is_refused(
         ({"kind": "lobes", "illuminant": "D50"}, "illuminant", "D50", "D65"),
         ({"kind": "lobes", "widths": 1}, "widths", 1, "greater than or equal to 4"),
         ({"kind": "foil", "design": "polygons", "periods": [1, -1]}, "periods.1", -1, "greater"),
+        ({"kind": "foil"}, "design", None, "a design"),
+        (
+            {"kind": "foil", "design": "hearts"},
+            "design",
+            "hearts",
+            "'polygons', 'stars', 'circles', 'stochastic'",
+        ),
+        ({**STARS, "points": 2}, "points", 2, "greater than or equal to 3"),
+        ({**STARS, "polygons": 2}, "polygons", 2, "no such field"),
+        ({**STARS, "period_range": [2, 1]}, "period_range", [2, 1], "below the longest"),
+        ({**STARS, "period_range": [1, 2, 3]}, "period_range", [1, 2, 3], "at most 2 items"),
+        ({**STARS, "period_range": [0, 1]}, "period_range.0", 0, "greater than 0"),
+        (
+            {**STARS, "periods": [1.5], "period_range": [1, 2]},
+            "periods",
+            [1.5],
+            "no such field where period_range is stated",
+        ),
+        ({**STARS, "periods": []}, "periods", [], "at least 1 item"),
+        ({**STARS, "variation": "smooth"}, "variation", "smooth", "no period_range"),
+        ({**STARS, "seed": -1}, "seed", -1, "greater than or equal to 0"),
         ([], "contents", [], "object"),
     ],
 )
