@@ -7,6 +7,7 @@ the lobe towards them, dark ones push it away, which one bright observation alon
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,8 @@ class Fit:
         strength: s over that of a point all of which diffracts, at most 1.
         gain: How much better than showing nothing, over a lobe's whole energy at its peak.
         margin: 1 − the gain of the next best orientation over the best.
+        least_seen: The orientation that would have shown least.
+        least: What it would have shown: its energy over that of a lobe at its peak.
     """
 
     orientation: Array
@@ -68,6 +71,14 @@ class Fit:
     strength: Array
     gain: Array
     margin: Array
+    least_seen: Array
+    least: Array
+
+    @staticmethod
+    def joined(parts: Iterable[Fit]) -> Fit:
+        """The fits of strips one after the other."""
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return Fit(*(np.concatenate(column) for column in columns))
 
 
 def fit_strip(strip: Strip, model: Model) -> Fit:
@@ -81,7 +92,8 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
         The best grating of each; where nothing is lit, gain 0.
     """
     whitened = _Whitened.of(strip, model)
-    scores, angles = _scan(whitened, model)
+    scores, energy, angles = _scan(whitened, model)
+    hidden = np.argmin(energy, axis=1)
     candidates, gains = _peaks(scores, angles)
     index = np.zeros(candidates.shape, np.intp)
     if len(model.shares) > 1:
@@ -100,6 +112,8 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
         np.minimum(strength / model.strength, 1),
         gain / _peak_energy(model),
         np.where(gain > 0, 1 - np.clip(second / np.maximum(gain, 1e-30), 0, 1), 0),
+        angles[hidden].astype(np.float64),
+        model.strength**2 * energy[np.arange(len(energy)), hidden] / _peak_energy(model),
     )
 
 
@@ -149,11 +163,11 @@ class _Whitened:
         )
 
 
-def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32]:
+def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32, Array32]:
     """Gains over orientation for gratings of the sample's mean period.
 
     Returns:
-        Shape (n, angles), and the angles.
+        The gains, and Σ M², both of shape (n, angles), and the angles.
     """
     deviations = np.array([table.deviation for table in model.tables], np.float32)
     angles = max(180, int(np.ceil(np.pi / deviations.min())))
@@ -173,7 +187,7 @@ def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32]:
             lobes = _Lobes(strip, rows[counts], columns[counts], deviations[number], angles)
             lobes.add(total, values[counts], power)
     gains = _gain(match, energy, model.strength)
-    return gains, np.arange(angles, dtype=np.float32) * np.float32(np.pi / angles)
+    return gains, energy, np.arange(angles, dtype=np.float32) * np.float32(np.pi / angles)
 
 
 class _Lobes:

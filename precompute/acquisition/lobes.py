@@ -83,9 +83,9 @@ class LobeTable:
         values /= 2 * np.pi * deviation**2
         return LobeTable(frequencies, values.astype(np.float32), deviation)
 
-    def mixed(self, shares: Array) -> Array32:
-        """The mean profile of gratings of which `shares` (F,) have each frequency."""
-        return np.tensordot(shares, self.values, 1).astype(np.float32)
+    def scaled(self, factor: float) -> LobeTable:
+        """The same, so many times as bright."""
+        return LobeTable(self.frequencies, self.values * np.float32(factor), self.deviation)
 
 
 def at_radius(profile: Array32, radius: Array32) -> Array32:

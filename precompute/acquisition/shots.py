@@ -1,0 +1,107 @@
+"""From a capture file to photographs of which is known where everything was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from precompute.acquisition.capture import Capture, Photograph
+from precompute.acquisition.highlight import Highlight, find_highlight
+from precompute.acquisition.lobes import lobe_deviation
+from precompute.acquisition.observations import Shot
+from precompute.acquisition.photographs import Photo, read_photographs
+from precompute.acquisition.rectification import Rectification
+from precompute.acquisition.sensor import channel_weights, sensitivity
+from precompute.acquisition.view import View
+from precompute.errors import InputError
+
+ROUGHNESS = float(np.radians(0.2))
+"""Of the foil's normal, rad, until it is known."""
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What was made of a capture's photographs.
+
+    Attributes:
+        shots: Those that can be used.
+        highlights: Of each.
+        left_out: Why others cannot, by name.
+        noise: Standard deviation of each shot's values in the dark.
+    """
+
+    shots: list[Shot]
+    highlights: list[Highlight]
+    left_out: dict[str, InputError]
+    noise: list[float]
+
+
+def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Taken:
+    """Read a capture's photographs, find the sample and the highlight in each.
+
+    A photograph whose highlight cannot be found is left out; the others go on.
+
+    Args:
+        capture: What the capture file says.
+        folder: That of the file.
+        say: Takes remarks on what was not given and had to be found or assumed.
+
+    Raises:
+        InputError: A photograph cannot be read, the sample is not found in it, or none has a
+            highlight: the first one's error then.
+    """
+    response = sensitivity(capture.camera, folder)
+    if capture.camera.spectral_response_csv is None:
+        say("camera.spectral_response_csv is not given: a typical sensor's is taken")
+    taken = Taken([], [], {}, [])
+    for photograph, photo in zip(
+        capture.photographs, read_photographs(capture, folder), strict=True
+    ):
+        rectification = _rectification(capture, photograph, photo)
+        if not rectification.is_scaled and not taken.shots:
+            say("camera.position_mm and camera.focal_px are not given: periods are relative")
+        light = photograph.light
+        assert light is not None  # a flash capture
+        radius = float(np.radians(light.radius_deg))
+        try:
+            highlight = find_highlight(
+                photo.name,
+                photo.values,
+                photo.saturated,
+                rectification,
+                capture.sample.size_mm,
+                np.array(light.position_mm),
+                lobe_deviation(radius, ROUGHNESS),
+            )
+        except InputError as error:
+            taken.left_out[photo.name] = error
+            continue
+        shot = Shot(
+            photo.name,
+            photo.values,
+            ~photo.saturated,
+            rectification,
+            highlight.light,
+            radius,
+            channel_weights(light, photograph.filter, response, folder),
+            np.zeros(photo.values.shape[2], np.float32),
+        )
+        taken.shots.append(shot)
+        taken.highlights.append(highlight)
+        taken.noise.append(photo.noise)
+    if not taken.shots:
+        raise next(iter(taken.left_out.values()))
+    return taken
+
+
+def _rectification(capture: Capture, photograph: Photograph, photo: Photo) -> Rectification:
+    height, width = photo.values.shape[:2]
+    camera, size_mm = capture.camera, capture.sample.size_mm
+    if photograph.corners_px is None:
+        return Rectification.of_view(View.of(camera, (width, height)))
+    return Rectification.of(
+        camera, photo.focal_px, (width, height), size_mm, photograph.corners_px
+    )
