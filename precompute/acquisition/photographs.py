@@ -30,7 +30,7 @@ TRUSTED = 0.8
 # Exposures may be told in steps of a third of a stop (1.26); half a stop and more is a mistake.
 LARGEST_EXPOSURE_ERROR = 1.5
 # Samples that two exposures must both show well before they are compared.
-FEWEST_COMPARED = 1000
+FEWEST_COMPARED = 100
 # Samples that are worked on at once; they fit into a processor's cache.
 BLOCK = 2**18
 # Side in pixels of the squares in which noise is measured, the share of them that counts as dark,
