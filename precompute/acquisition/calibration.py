@@ -1,11 +1,11 @@
 """What has to be known of photographs before gratings are fitted, estimated from them.
 
-How bright a lobe is, how wide surface and lamp make it, which periods there are, how dark darkness.
+How dark darkness is, which periods there are, how bright each photograph is, and how wide lamp and
+surface make a lobe.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from os import cpu_count
@@ -13,44 +13,59 @@ from os import cpu_count
 import numpy as np
 from numpy.typing import NDArray
 
-from precompute.acquisition.lobe_fit import Fit, Model, fit_strip
+from precompute.acquisition.lobe_fit import Fit, Model, fit_strip, peak_energy
 from precompute.acquisition.lobes import RADIUS_STEP, Array32, LobeTable, lobe_deviation
 from precompute.acquisition.observations import Shot, Strip, observed, strips
 from precompute.acquisition.periods import (
     FEWEST,
     MeanProfile,
-    explained,
+    apparent_frequency,
+    brightness,
     frequency_shares,
-    one_frequency,
 )
+from precompute.acquisition.shots import ROUGHNESS
 from precompute.acquisition.tiling import Tiling
 from precompute.progress import tracked
 
 Array = NDArray[np.float64]
 
 FREQUENCIES: Array = np.geomspace(0.3, 2.2, 101)
-"""1/a of 3.3 to 0.45 µm by 2 %: coarser shows no order outside the highlight, finer no first one."""
+"""1/a of 3.3 to 0.45 µm, by 2 %: of longer periods the highlight hides the first orders."""
 
-ROUGHNESSES = np.radians([0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0])
-"""Of the normal; foils have some tenths of a degree."""
-
-ROUGHNESS = np.radians(0.2)
-"""Taken until it is known."""
+ROUGHNESSES = tuple(np.radians([0.05, 0.2, 0.35, 0.5, 0.8, 1.2, 2.0]).tolist())
+"""Of the normal, rad; foils have some tenths of a degree."""
 
 HIGHLIGHT = 5.5
 """Deviations of order 0 in (u, v) beyond which 3e-7 of its peak is left."""
 
-SAMPLE = 1_500_000
-"""Observations from which all is estimated: a second's work each time."""
+SOME = 400_000
+"""Observations from which all is estimated: half a second's work each time."""
 
 MODEL_ERROR = 0.1
-"""Share of a lobe's peak by which it is not as the model says: what noise is weighed against."""
+"""Share of a lobe's peak by which it is not as the model says; what noise is weighed against."""
 
-ALMOST = 0.97
-"""Share of what many periods explain that one has to explain to be the only one."""
+DIM = 0.2
+"""Share of the brightest channel's peak below which another counts for no more."""
 
-APART = 0.04
-"""Relative difference in period between photographs that cannot be chance."""
+RARE = 0.01
+"""Share of the commonest period's area from which a period is looked for at all."""
+
+ONE_PERIOD = 0.015
+"""Median relative distance of periods from their median up to which they count as one: that of a
+sample of one period is 0.004 without noise."""
+
+WIDE = np.linspace(-0.1, 0.1, 21)
+CLOSE = np.linspace(-0.03, 0.03, 25)
+"""Logarithms of frequencies about the only one, among which it is found more closely."""
+
+COMMON = 0.2
+"""Share of the commonest period's area from which a period counts as common."""
+
+CHANCE = 9.0
+"""Squared deviations that noise reaches at the best of a hundred orientations: 2 ln 100."""
+
+SURE = 0.5
+"""Margin of a fit from which others may rely on it."""
 
 
 @dataclass(frozen=True)
@@ -62,62 +77,148 @@ class Calibration:
         model: What gratings show in them.
         highlight: ρ below which nothing is observed.
         roughness: Of the normal, rad.
-        shares: Of the area that diffracts, by `FREQUENCIES`.
         is_one_period: Whether all gratings have the same.
-        apparent: Period in each photograph over that in all.
-        noise: Of the darkest channel weights allow, over a lobe's peak.
+        apparent: Period in each photograph over that in all, shape (photographs,).
+        noise: Gain that noise alone reaches at its best orientation.
     """
 
     shots: list[Shot]
     model: Model
     highlight: float
     roughness: float
-    shares: Array
     is_one_period: bool
     apparent: Array
     noise: float
 
 
 def calibrated(
-    shots: list[Shot], tiling: Tiling, places: Array, height: float, one: bool | None
-) -> Calibration:
-    """Estimate all of it.
+    shots: list[Shot], tiling: Tiling, places: Array, height: float, is_one: bool | None
+) -> Calibration | None:
+    """Estimate all of it; None where nothing is lit beyond the highlight.
 
     Args:
         shots: The photographs.
         tiling: Where the tiles are.
         places: Texels of the pattern, in tiles, shape (n, 2).
         height: h0 of the gratings, µm.
-        one: Whether there is one period; found out, if None.
-
-    Raises:
-        ValueError: Nothing is lit beyond the highlight.
+        is_one: Whether there is one period; found out, if None.
     """
     highlight = HIGHLIGHT * max(lobe_deviation(shot.radius, ROUGHNESS) for shot in shots)
     count = len(tiling.tiles()) * len(shots)
-    some = places[:: max(1, len(places) * count // SAMPLE)]
+    some = places[:: max(1, len(places) * count // SOME)]
     shots, noise = _darkened(shots, tiling, some, highlight)
-    profile = MeanProfile.of(_look(shots, tiling, some, highlight), len(shots))
-    weights = _channel_weights(profile, noise)
+    look = [observed(shots, tiling, some[part], highlight) for part in strips(len(some), count)]
+    profile = MeanProfile.of(look, len(shots))
+    weights = _channel_weights(profile, noise, shots)
     tables = _tables(shots, ROUGHNESS, FREQUENCIES, height)
     shares = frequency_shares(profile, tables, weights)
     if not shares.any():
-        raise ValueError("nothing is lit beyond the highlight")
-    tables, scales = _balanced(profile, tables, weights, shares)
+        return None
+    factors = brightness(profile, tables, weights, shares)
+    factors /= factors[0]
+    tables = [table.scaled(factor) for table, factor in zip(tables, factors, strict=True)]
     shares = frequency_shares(profile, tables, weights)
-    frequency = one_frequency(profile, tables, weights)
-    alone = LobeTables(shots, scales, height).at(ROUGHNESS, np.array([frequency]))
-    if one is None:
-        one = explained(profile, alone, weights, np.ones(1)) > ALMOST * explained(
-            profile, tables, weights, shares
-        )
-    return Calibration(
-        shots,
-        Model(tables, shares / shares.sum(), float(shares.sum()), weights),
-        highlight,
-        float(ROUGHNESS),
-        shares,
-        one,
-        np.ones(len(shots)),
-        0.0,
+    apparent = 1 / apparent_frequency(profile, tables, weights, shares)
+    # A period that few have is likelier an order mistaken for another.
+    kept = np.flatnonzero(shares > RARE * shares.max())
+    around = slice(max(kept[0] - 2, 0), kept[-1] + 3)
+    frequencies, shares = FREQUENCIES[around], shares[around]
+    strength = float(shares.sum())
+
+    def model(roughness: float, frequencies: Array, shares: Array) -> Model:
+        made = _tables(shots, roughness, frequencies, height)
+        scaled = [table.scaled(factor) for table, factor in zip(made, factors, strict=True)]
+        return Model(scaled, shares / shares.sum(), strength, weights, np.inf)
+
+    common = shares > COMMON * shares.max()
+    gains = []
+    for roughness in tracked(ROUGHNESSES, "Width of lobes"):
+        tried = model(roughness, frequencies[common], shares[common])
+        gains.append(np.sum(_fitted(look, tried).gain) * peak_energy(tried))
+    roughness = ROUGHNESSES[int(np.argmax(gains))]
+    fit = _fitted(look, model(roughness, frequencies, shares))
+    if not np.any(_trust(fit)):
+        return None
+    logarithm = np.log(fit.frequency)
+    middle = _weighted_median(logarithm, _trust(fit))
+    if is_one is None:
+        is_one = _weighted_median(np.abs(logarithm - middle), _trust(fit)) < ONE_PERIOD
+    if is_one:
+        for around in (WIDE, CLOSE):  # texels between the steps of the search pull it off
+            near = np.exp(middle + around)
+            fit = _fitted(look, model(roughness, near, np.ones(len(near))))
+            middle = _weighted_median(np.log(fit.frequency), _trust(fit))
+        frequencies, shares = np.exp([middle]), np.ones(1)
+        fit = _fitted(look, model(roughness, frequencies, shares))
+    final = model(roughness, frequencies, shares)
+    final = replace(
+        final, strength=strength * _weighted_median(fit.strength, _trust(fit)), strongest=1.0
     )
+    chance = CHANCE * max(np.max((w * dark) ** 2) for w, dark in zip(weights, noise, strict=True))
+    return Calibration(
+        *(shots, final, highlight, roughness, is_one, apparent),
+        noise=float(chance / peak_energy(final)),
+    )
+
+
+def _fitted(look: list[Strip], model: Model) -> Fit:
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        return Fit.joined(pool.map(lambda strip: fit_strip(strip, model), look))
+
+
+def _trust(fit: Fit) -> Array:
+    """What each texel's fit counts for."""
+    return np.where(fit.margin > SURE, fit.gain, 0)
+
+
+def _weighted_median(values: Array, weights: Array) -> float:
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    return float(values[order[np.searchsorted(total, total[-1] / 2)]])
+
+
+def _tables(
+    shots: list[Shot], roughness: float, frequencies: Array, height: float
+) -> list[LobeTable]:
+    return [
+        LobeTable.of(shot.weights, lobe_deviation(shot.radius, roughness), frequencies, height)
+        for shot in shots
+    ]
+
+
+def _darkened(
+    shots: list[Shot], tiling: Tiling, places: Array, highlight: float
+) -> tuple[list[Shot], list[Array32]]:
+    """The shots with what most of the sample shows as their background, and the noise about it.
+
+    Most points are dark in each photograph, so that medians are of dark ones.
+    """
+    darkened, noise = [], []
+    for shot in shots:
+        look = [
+            observed([shot], tiling, places[part], highlight)
+            for part in strips(len(places), len(tiling.tiles()))
+        ]
+        seen = np.concatenate([strip.intensity[strip.usable] for strip in look])
+        background = np.median(seen, axis=0)
+        below = seen[:, :] < background
+        deviation = [
+            1.48 * np.median(background[c] - seen[below[:, c], c]) if below[:, c].any() else 0.0
+            for c in range(seen.shape[1])
+        ]
+        darkened.append(replace(shot, background=background.astype(np.float32)))
+        noise.append(np.array(deviation, np.float32))
+    return darkened, noise
+
+
+def _channel_weights(profile: MeanProfile, noise: list[Array32], shots: list[Shot]) -> Array32:
+    """1 over the error of each channel at a lobe's peak, shape (photographs, channels)."""
+    weights = []
+    ρ = np.arange(profile.mean.shape[1])[:, None] * RADIUS_STEP
+    for mean, count, dark, shot in zip(profile.mean, profile.count, noise, shots, strict=True):
+        # A lobe's peak is ρπ/(√2π c) times the mean over orientations.
+        brightest = np.max(np.where(count[:, None] >= FEWEST, ρ * mean, 0), axis=0)
+        peak = brightest * np.sqrt(np.pi / 2) / lobe_deviation(shot.radius, ROUGHNESS)
+        error = MODEL_ERROR * np.maximum(peak, DIM * peak.max())
+        weights.append(1 / np.hypot(error, dark))
+    return np.array(weights, np.float32)

@@ -44,12 +44,14 @@ class Model:
         shares: How common each frequency is on the sample, summing to 1, shape (F,).
         strength: s of a point all of which diffracts.
         channel_weights: 1 over each channel's typical brightness, shape (photographs, channels).
+        strongest: The largest s that may be found, over `strength`.
     """
 
     tables: list[LobeTable]
     shares: Array
     strength: float
     channel_weights: Array32
+    strongest: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Fit:
     Attributes:
         orientation: θ in [0, π).
         frequency: 1/a, 1/µm.
-        strength: s over that of a point all of which diffracts, at most 1.
+        strength: s over that of a point all of which diffracts.
         gain: How much better than showing nothing, over a lobe's whole energy at its peak.
         margin: 1 − the gain of the next best orientation over the best.
         least_seen: The orientation that would have shown least.
@@ -109,11 +111,11 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
     return Fit(
         np.mod(orientation, np.pi),
         np.exp(np.interp(place, np.arange(len(frequencies)), np.log(frequencies))),
-        np.minimum(strength / model.strength, 1),
-        gain / _peak_energy(model),
+        strength / model.strength,
+        gain / peak_energy(model),
         np.where(gain > 0, 1 - np.clip(second / np.maximum(gain, 1e-30), 0, 1), 0),
         angles[hidden].astype(np.float64),
-        model.strength**2 * energy[np.arange(len(energy)), hidden] / _peak_energy(model),
+        model.strength**2 * energy[np.arange(len(energy)), hidden] / peak_energy(model),
     )
 
 
@@ -186,7 +188,7 @@ def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32, Array32]:
         ):
             lobes = _Lobes(strip, rows[counts], columns[counts], deviations[number], angles)
             lobes.add(total, values[counts], power)
-    gains = _gain(match, energy, model.strength)
+    gains = _gain(match, energy, model.strength * model.strongest)
     return gains, energy, np.arange(angles, dtype=np.float32) * np.float32(np.pi / angles)
 
 
@@ -263,7 +265,7 @@ def _with_period(strip: _Whitened, model: Model, θ: Array32) -> tuple[Indices, 
         for channel in range(channels):
             summed = np.bincount(key, seen[:, channel], n * radii).reshape(n, radii)
             match += summed.astype(np.float32) @ table[:, :, channel].T
-    gains = _gain(match, energy, model.strength)
+    gains = _gain(match, energy, model.strength * model.strongest)
     best = np.argmax(gains, axis=1)
     return best, gains[np.arange(n), best]
 
@@ -284,8 +286,9 @@ def _refined(
     picked = _Picked(strip, deviation, rows, columns, len(θ))
     last = len(strip.tables[0]) - 1
     angle, place = θ.astype(np.float64), frequency.astype(np.float64)
+    strongest = model.strength * model.strongest
     shown = picked.expected(angle, place)
-    strength, gain = picked.explained(shown, model.strength)
+    strength, gain = picked.explained(shown, strongest)
     turn, shift = np.float64(1e-3), 0.05
     for _ in range(STEPS):
         slopes = [(picked.expected(angle + turn, place) - shown) / turn]
@@ -299,7 +302,7 @@ def _refined(
         new_angle = angle + steps[0]
         new_place = np.clip(place + steps[1], 0, last) if last > 0 else place
         new_shown = picked.expected(new_angle, new_place)
-        new_strength, new_gain = picked.explained(new_shown, model.strength)
+        new_strength, new_gain = picked.explained(new_shown, strongest)
         better = new_gain > gain
         angle, place = np.where(better, new_angle, angle), np.where(better, new_place, place)
         strength, gain = np.where(better, new_strength, strength), np.where(better, new_gain, gain)
@@ -368,7 +371,7 @@ def _between(place: Array, count: int) -> tuple[Indices, Array]:
     return below, (np.minimum(place, count - 1) - below)[:, None]
 
 
-def _peak_energy(model: Model) -> float:
+def peak_energy(model: Model) -> float:
     """s²·M² where a grating of the commonest frequency is brightest."""
     profiles = [
         np.tensordot(model.shares, table.values * weight, 1)

@@ -22,10 +22,6 @@ Array = NDArray[np.float64]
 FEWEST = 50
 """Observations that make a mean."""
 
-ONE_PERIOD = 0.04
-"""Relative spread of periods up to which a sample is taken to have but one: printing and what is
-not modelled blur it by half as much."""
-
 
 @dataclass(frozen=True)
 class MeanProfile:
@@ -90,11 +86,48 @@ def one_frequency(profile: MeanProfile, tables: list[LobeTable], weights: Array3
     return float(np.exp(np.interp(best, places, np.log(tables[0].frequencies))))
 
 
-def spread(shares: Array, frequencies: Array) -> float:
-    """Standard deviation of the logarithm of frequency."""
-    logarithm = np.log(frequencies)
-    mean = np.average(logarithm, weights=shares)
-    return float(np.sqrt(np.average((logarithm - mean) ** 2, weights=shares)))
+def explained(
+    profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
+) -> float:
+    """Which part of the squared mean is explained by shares at their best scale, 0 to 1."""
+    left, right = _equations(profile, tables, weights)
+    shown = left @ shares
+    return float((shown @ right) ** 2 / ((shown @ shown) * (right @ right)))
+
+
+def brightness(
+    profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
+) -> Array:
+    """How many times as bright as `shares` say each photograph is, shape (photographs,)."""
+    factors = []
+    for number in range(len(tables)):
+        part = MeanProfile(profile.mean[number, None], profile.count[number, None])
+        left, right = _equations(part, tables[number : number + 1], weights[number : number + 1])
+        shown = left @ shares
+        factors.append((shown @ right) / (shown @ shown))
+    return np.array(factors)
+
+
+def apparent_frequency(
+    profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
+) -> Array:
+    """By which factor all frequencies would suit each photograph best, shape (photographs,)."""
+    frequencies = np.log(tables[0].frequencies)
+    factors = np.linspace(-0.25, 0.25, 101)
+    best = []
+    for number in range(len(tables)):
+        part = MeanProfile(profile.mean[number, None], profile.count[number, None])
+        scores = [
+            explained(
+                part,
+                tables[number : number + 1],
+                weights[number : number + 1],
+                np.interp(frequencies - factor, frequencies, shares),
+            )
+            for factor in factors
+        ]
+        best.append(factors[int(np.argmax(scores))])
+    return np.exp(best)
 
 
 def _equations(

@@ -102,6 +102,4 @@ def _rectification(capture: Capture, photograph: Photograph, photo: Photo) -> Re
     camera, size_mm = capture.camera, capture.sample.size_mm
     if photograph.corners_px is None:
         return Rectification.of_view(View.of(camera, (width, height)))
-    return Rectification.of(
-        camera, photo.focal_px, (width, height), size_mm, photograph.corners_px
-    )
+    return Rectification.of(camera, photo.focal_px, (width, height), size_mm, photograph.corners_px)
