@@ -13,13 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from precompute.acquisition.lobe_fit import Fit, Model, predicted
+from precompute.acquisition.calibration import Calibration
+from precompute.acquisition.lobe_fit import Fit, fit_texels, predicted
 from precompute.acquisition.lobes import Array32
-from precompute.acquisition.observations import Shot, observed, texel_places
+from precompute.acquisition.observations import observed, texel_places
 from precompute.acquisition.tiling import Tiling
-from precompute.progress import tracked
 
 Array = NDArray[np.float64]
+
+ROUNDS = 6
+"""Of fitting the pattern and moving the tiles."""
+
+LONGER = 1.6
+"""Times a shift as it comes out: 1 takes twice as many rounds, from 2.5 on tiles run away."""
+
+STILL = 0.03
+"""Median change, texels, from which another round would not be worth its time."""
 
 BLURS = (3.0, 1.5, 1.0)
 """Standard deviations, texels, with which a tile and its prediction are compared, one after the
@@ -27,6 +36,9 @@ other: the first sees shifts of several texels, the last the edges."""
 
 LOOSE = 0.02
 """How much of what a well lit tile tells of its place counts against moving it."""
+
+STIFF = 2.0
+"""The same of stretching it: paper stretches far less than tiles are shifted."""
 
 MOST_STRETCH = 0.02
 """Of a tile in one step."""
@@ -36,54 +48,69 @@ OUTLIER = 0.3
 
 
 def aligned(
-    shots: list[Shot],
-    tiling: Tiling,
-    model: Model,
-    fit: Fit,
-    size: tuple[int, int],
-    highlight: float,
-    reference: tuple[int, int] | None,
+    calibration: Calibration, tiling: Tiling, size: tuple[int, int], reference: tuple[int, int]
 ) -> Tiling:
-    """Move every tile to where it looks most like what the fitted pattern should show there.
+    """Move every tile to where it looks most like what the pattern should show there.
+
+    A tile has its own share in the pattern that it is compared with, which holds it back: steps
+    are taken longer than they come out, and several times, each with the pattern fitted anew.
 
     Args:
-        shots: The photographs.
+        calibration: The photographs, and what gratings show in them.
         tiling: Where the tiles were thought to be.
-        model: What gratings show.
-        fit: Of the texels of the pattern, row by row.
-        size: Columns and rows of them.
-        highlight: ρ below which observations are not used.
-        reference: Row and column of the tile that stays where it is; the mean, if left out.
+        size: Columns and rows of texels to compare.
+        reference: Row and column of the tile that stays where it is.
 
     Returns:
-        The tiling, each tile with a shift and a stretch.
+        Of all that was tried the tiling whose pattern explains the photographs best.
     """
+    places = texel_places(size)
+    best, most = tiling, -np.inf
+    for round_ in range(ROUNDS):
+        fit = fit_texels(
+            calibration.shots,
+            tiling,
+            places,
+            calibration.highlight,
+            calibration.model,
+            f"Alignment {round_}",
+        )
+        if fit.gain.sum() > most:
+            best, most = tiling, fit.gain.sum()
+        moved = _moved(calibration, tiling, fit, size)
+        shifts = tiling.shifts + LONGER * (moved.shifts - tiling.shifts)
+        shifts -= shifts[reference]
+        change = np.abs(shifts - tiling.shifts) / (tiling.size / size)
+        tiling = replace(moved, shifts=shifts)
+        if np.median(change) < STILL:
+            break
+    return best
+
+
+def _moved(calibration: Calibration, tiling: Tiling, fit: Fit, size: tuple[int, int]) -> Tiling:
     shifts, stretches = tiling.shifts.copy(), tiling.stretches.copy()
-    for row, column in tracked(tiling.tiles(), "Aligning tiles"):
-        moved = replace(tiling, shifts=shifts, stretches=stretches)
+    for tile in tiling.tiles():
         for blur in BLURS:
-            shift, stretch = _step(shots, moved, model, fit, size, highlight, (row, column), blur)
-            shifts[row, column] += shift
-            stretches[row, column] += stretch
-    shifts -= shifts.mean(axis=(0, 1)) if reference is None else shifts[reference]
+            now = replace(tiling, shifts=shifts, stretches=stretches)
+            shift, stretch = _step(calibration, now, fit, size, tile, blur)
+            shifts[tile] += shift
+            stretches[tile] += stretch
     return replace(tiling, shifts=shifts, stretches=stretches)
 
 
 def _step(
-    shots: list[Shot],
+    calibration: Calibration,
     tiling: Tiling,
-    model: Model,
     fit: Fit,
     size: tuple[int, int],
-    highlight: float,
     tile: tuple[int, int],
     blur: float,
 ) -> tuple[Array, Array]:
     """By how much more a tile is shifted, mm, shape (2,), and stretched, shape (2, 2)."""
     columns, rows = size
     place = texel_places(size)
-    strip = observed(shots, tiling, place, highlight, [tile])
-    shown = predicted(strip, model, fit)
+    strip = observed(calibration.shots, tiling, place, calibration.highlight, [tile])
+    shown = predicted(strip, calibration.model, fit)
     trust = strip.usable & ((fit.gain > 0) & (fit.strength > 0))[:, None]
     shown, seen = (
         _blurred(np.where(trust[..., None], values, 0), size, blur)
@@ -107,7 +134,7 @@ def _step(
     normal = weighted.T @ left
     # Where a tile shows too little to tell, it stays as it is.
     scale = np.trace(normal[:2, :2]) / 2 + 1e-30
-    held = scale * np.array([LOOSE, LOOSE, *[50 * np.mean(tiling.size) ** 2 / 4] * 4])
+    held = scale * np.array([LOOSE, LOOSE, *[STIFF * np.mean(tiling.size) ** 2 / 4] * 4])
     step = np.linalg.solve(normal + np.diag(held), weighted.T @ rest.ravel())
     limit = 2 * blur * pitch
     return np.clip(step[:2], -limit, limit), np.clip(

@@ -8,13 +8,17 @@ the lobe towards them, dark ones push it away, which one bright observation alon
 from __future__ import annotations
 
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from os import cpu_count
 
 import numpy as np
 from numpy.typing import NDArray
 
 from precompute.acquisition.lobes import RADIUS_STEP, Array32, LobeTable, at_radius
-from precompute.acquisition.observations import Strip
+from precompute.acquisition.observations import Shot, Strip, observed, strips
+from precompute.acquisition.tiling import Tiling
+from precompute.progress import tracked
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -30,6 +34,9 @@ APART = np.radians(6)
 
 DARK = 0.01
 """Share of a lobe's peak below which an observation counts as dark: 3 standard deviations off."""
+
+LIT = 1.0
+"""Errors, as `Model.channel_weights` count them, from which an observation is certainly lit."""
 
 STEPS = 3
 """Of refinement; each about halves or better the distance to the best orientation."""
@@ -66,6 +73,7 @@ class Fit:
         margin: 1 − the gain of the next best orientation over the best.
         least_seen: The orientation that would have shown least.
         least: What it would have shown: its energy over that of a lobe at its peak.
+        shown: The energy of all that is lit, over that.
     """
 
     orientation: Array
@@ -75,6 +83,7 @@ class Fit:
     margin: Array
     least_seen: Array
     least: Array
+    shown: Array
 
     @staticmethod
     def joined(parts: Iterable[Fit]) -> Fit:
@@ -96,6 +105,7 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
     whitened = _Whitened.of(strip, model)
     scores, energy, angles = _scan(whitened, model)
     hidden = np.argmin(energy, axis=1)
+    lit = np.abs(whitened.intensity) > LIT
     candidates, gains = _peaks(scores, angles)
     index = np.zeros(candidates.shape, np.intp)
     if len(model.shares) > 1:
@@ -116,7 +126,34 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
         np.where(gain > 0, 1 - np.clip(second / np.maximum(gain, 1e-30), 0, 1), 0),
         angles[hidden].astype(np.float64),
         model.strength**2 * energy[np.arange(len(energy)), hidden] / peak_energy(model),
+        np.sum(np.where(lit, whitened.intensity**2, 0), axis=(1, 2)) / peak_energy(model),
     )
+
+
+def fit_texels(
+    shots: list[Shot], tiling: Tiling, places: Array, highlight: float, model: Model, name: str
+) -> Fit:
+    """Fit a grating to each of many texels, strip by strip on all cores.
+
+    Args:
+        shots: The photographs.
+        tiling: Where the tiles are.
+        places: Of the texels in a tile, shape (n, 2).
+        highlight: ρ below which nothing is observed.
+        model: What gratings show.
+        name: What the progress bar says.
+    """
+
+    def fitted(part: slice) -> Fit:
+        return fit_strip(observed(shots, tiling, places[part], highlight), model)
+
+    parts = list(strips(len(places), len(tiling.tiles()) * len(shots)))
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        try:
+            return Fit.joined(tracked(pool.map(fitted, parts), name, len(parts)))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def predicted(strip: Strip, model: Model, fit: Fit) -> Array32:
