@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import Annotated, Literal, TextIO
 
 import rich.progress
 import typer
@@ -22,6 +22,10 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 
 design = typer.Typer(no_args_is_help=True, help="Design a foil from what was measured.")
 app.add_typer(design, name="design")
+acquire = typer.Typer(no_args_is_help=True, help="Make a foil's map from photographs.")
+app.add_typer(acquire, name="acquire")
+simulate = typer.Typer(no_args_is_help=True, help="Simulate photographs of a foil.")
+app.add_typer(simulate, name="simulate")
 
 
 @app.callback()
@@ -127,6 +131,69 @@ def evaluate(
             else:
                 with written_aside(output) as aside, aside.open("w", encoding="utf-8") as file:
                     csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+@simulate.command("flash")
+def simulate_flash(
+    recipe: Annotated[Path, typer.Argument(metavar="RECIPE.json", help="Of kind flash-capture.")],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="Where a folder named as the recipe is made."),
+    ] = Path("captures"),
+) -> None:
+    """Photographs of a foil by flash, from the float64 reference, with the truth beside them."""
+    from precompute.acquisition.simulate import simulate_flash as simulated
+
+    with one_line_errors():
+        console.print(str(simulated(recipe, output)), markup=False, soft_wrap=True)
+
+
+@acquire.command("flash")
+def acquire_flash(
+    capture: Annotated[
+        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/capture-format.md.")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
+    ],
+    size: Annotated[
+        tuple[int, int] | None,
+        typer.Option(help="Columns and rows of the map.", show_default="as the photographs"),
+    ] = None,
+    height: Annotated[
+        float, typer.Option(help="Of the gratings, µm: photographs do not tell it.")
+    ] = 0.15,
+    periods: Annotated[
+        Literal["auto", "one", "many"], typer.Option(help="Of the gratings; auto finds out.")
+    ] = "auto",
+    method: Annotated[
+        Literal["lobes", "thresholds"],
+        typer.Option(help="lobes fits gratings; thresholds is the 2018 paper's method."),
+    ] = "lobes",
+    align: Annotated[bool, typer.Option(help="Move tiles to where the pattern is.")] = True,
+    debug: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
+    ] = None,
+) -> None:
+    """A foil's map from flash photographs: NAME.json, its images and NAME.report.json."""
+    from precompute.acquisition.flash import FlashOptions
+    from precompute.acquisition.flash import acquire_flash as acquired_from
+    from precompute.acquisition.pictures import write_pictures
+
+    with one_line_errors():
+        is_one = {"auto": None, "one": True, "many": False}[periods]
+        options = FlashOptions(size, height, is_one, method, align)
+        acquired = acquired_from(capture, options, _remark)
+        acquired.foil.write(output.parent, output.name)
+        acquired.report.write(output.parent / f"{output.name}.report.json")
+        for line in acquired.report.lines():
+            console.print(line, markup=False, soft_wrap=True)
+        if debug is not None:
+            write_pictures(acquired, debug)
+
+
+def _remark(text: str) -> None:
+    console.print(text, style="yellow", markup=False, soft_wrap=True)
 
 
 @app.command()

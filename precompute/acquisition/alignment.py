@@ -136,9 +136,11 @@ def _step(
     scale = np.trace(normal[:2, :2]) / 2 + 1e-30
     held = scale * np.array([LOOSE, LOOSE, *[STIFF * np.mean(tiling.size) ** 2 / 4] * 4])
     step = np.linalg.solve(normal + np.diag(held), weighted.T @ rest.ravel())
-    limit = 2 * blur * pitch
-    return np.clip(step[:2], -limit, limit), np.clip(
-        step[2:].reshape(2, 2), -MOST_STRETCH, MOST_STRETCH
+    shift_limit = 2 * blur * pitch
+    shift, stretch = step[:2], step[2:].reshape(2, 2)
+    return (
+        shift.clip(-shift_limit, shift_limit).astype(np.float64),
+        stretch.clip(-MOST_STRETCH, MOST_STRETCH).astype(np.float64),
     )
 
 

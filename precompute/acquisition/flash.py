@@ -52,6 +52,9 @@ class FlashOptions:
         is_one_period: Whether all gratings have one period; found out if None.
         method: ``lobes``, which fits them, or ``thresholds``, the seed's.
         align: Whether tiles are moved to where the pattern is.
+
+    Raises:
+        InputError: A number is out of range.
     """
 
     size: tuple[int, int] | None = None
@@ -59,6 +62,12 @@ class FlashOptions:
     is_one_period: bool | None = None
     method: Literal["lobes", "thresholds"] = "lobes"
     align: bool = True
+
+    def __post_init__(self) -> None:
+        if self.size is not None and not all(8 <= side <= 4096 for side in self.size):
+            raise InputError("options", "size", self.size, "8 to 4096 columns and rows")
+        if not 0 < self.height <= 1:
+            raise InputError("options", "height", self.height, "above 0, up to 1 µm")
 
 
 @dataclass(frozen=True)

@@ -112,4 +112,4 @@ def at_radius(profile: Array32, radius: Array32) -> Array32:
     place = np.minimum(radius / np.float32(RADIUS_STEP), len(profile) - 1.001)
     below = place.astype(np.int32)
     share = (place - below)[..., None]
-    return profile[below] * (1 - share) + profile[below + 1] * share
+    return (profile[below] * (1 - share) + profile[below + 1] * share).astype(np.float32)

@@ -138,7 +138,7 @@ def looked_up(shot: Shot, points: Array) -> tuple[Array32, NDArray[np.bool_]]:
     column, row = np.round(pixels[:, 0]).astype(np.intp), np.round(pixels[:, 1]).astype(np.intp)
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     good = inside & shot.usable[row.clip(0, height - 1), column.clip(0, width - 1)]
-    return values.reshape(len(points), -1), good
+    return np.asarray(values, np.float32).reshape(len(points), -1), good
 
 
 def texel_places(size: tuple[int, int]) -> Array:

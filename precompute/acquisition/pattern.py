@@ -26,7 +26,7 @@ class Gratings:
     frequency: Array
     strength: Array
 
-    def __getitem__(self, index: NDArray[np.generic]) -> Gratings:
+    def __getitem__(self, index: NDArray[np.intp]) -> Gratings:
         return Gratings(self.orientation[index], self.frequency[index], self.strength[index])
 
 

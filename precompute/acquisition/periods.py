@@ -47,7 +47,7 @@ class MeanProfile:
             key = (strip.shot * radii + index)[strip.usable]
             seen = strip.intensity[strip.usable]
             count += np.bincount(key, minlength=len(count))
-            summed = [np.bincount(key, channel, len(count)) for channel in seen.T]
+            summed = [np.bincount(key, c, len(count)).astype(np.float64) for c in seen.T]
             total = [a + b for a, b in zip(total, summed, strict=True)] if total else summed
         mean = np.stack(total, axis=-1) / np.maximum(count, 1)[:, None]
         shape = (photographs, radii)

@@ -58,7 +58,7 @@ class Rectification:
         corners = np.array(corners_px, dtype=np.float64)
         straight = cv2.undistortPoints(corners[:, None], matrix, distortion, P=matrix)[:, 0]
         plane = corners_mm(size_mm)
-        homography, _ = cv2.findHomography(plane, straight)
+        homography = np.asarray(cv2.findHomography(plane, straight)[0], np.float64)
         eye = camera.position_mm
         if eye is None:
             eye = _eye(homography, matrix)
@@ -77,19 +77,20 @@ class Rectification:
         """Where points of the sample, mm, shape (n, 2), are seen: px, shape (n, 2)."""
         straight = cv2.perspectiveTransform(np.ascontiguousarray(xy)[:, None], self.homography)
         if not self.distortion.any():
-            return straight[:, 0]
+            return np.asarray(straight[:, 0], np.float64)
         rays = cv2.undistortPoints(straight, self.matrix, None)
         points = cv2.convertPointsToHomogeneous(rays)
         none = np.zeros(3)
         seen, _ = cv2.projectPoints(points, none, none, self.matrix, self.distortion)
-        return seen[:, 0]
+        return np.asarray(seen[:, 0], np.float64)
 
     def on_sample(self, pixels: Array) -> Array:
         """Which points of the sample, mm, shape (n, 2), are seen at pixels, shape (n, 2)."""
         straight = cv2.undistortPoints(
             np.ascontiguousarray(pixels)[:, None], self.matrix, self.distortion, P=self.matrix
         )
-        return cv2.perspectiveTransform(straight, np.linalg.inv(self.homography))[:, 0]
+        points = cv2.perspectiveTransform(straight, np.linalg.inv(self.homography))
+        return np.asarray(points[:, 0], np.float64)
 
     def pixels_per_mm(self) -> float:
         """Resolution at the sample's centre."""

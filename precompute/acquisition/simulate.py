@@ -161,7 +161,7 @@ def _relief(simulation: Simulation, foil: Map, profile: Profile) -> Relief:
 def _sheet(simulation: Simulation, foil: Map, rng: np.random.Generator) -> Sheet:
     surface = simulation.surface
     size, tile = np.array(surface.size_mm), np.array(foil.constants["tile_mm"])
-    columns, rows = np.ceil(size / tile).astype(int)
+    columns, rows = (int(n) for n in np.ceil(size / tile))
     turn = rng.uniform(0, 2 * np.pi, (rows, columns))
     shifts = surface.shift_mm * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     return Sheet(
@@ -210,8 +210,8 @@ def _strip(simulation: Simulation, sheet: Sheet, relief: Relief, lamp: Lamp, sta
     pixel = np.concatenate([middles, np.repeat(corners, texel.shape[1])])
     share = np.where(even, 1.0, 1 / texel.shape[1])[pixel]
     radiance = share[:, None] * _points(simulation, sheet, relief, lamp, points, texels)
-    strip = np.stack([np.bincount(pixel, c, len(pixels)) for c in radiance.T], axis=-1)
-    return strip.reshape(stop - start, width, -1)
+    strip = [np.bincount(pixel, c, len(pixels)) for c in radiance.T]
+    return np.stack(strip, axis=-1).astype(np.float64).reshape(stop - start, width, -1)
 
 
 def _points(

@@ -66,7 +66,7 @@ class View:
         turn, _ = cv2.Rodrigues(self.rotation)
         shift = -self.rotation @ self.position
         seen, _ = cv2.projectPoints(points, turn, shift, self.matrix, self.distortion)
-        return seen.reshape(-1, 2)
+        return np.asarray(seen, np.float64).reshape(-1, 2)
 
     def on_sample(self, pixels: Array) -> Array:
         """Where the rays of pixels meet the plane z = 0.
