@@ -2,7 +2,7 @@
 
 Neighbouring tiles show different parts of the pattern lit, so that they cannot be laid on each
 other. But once there is a map, each tile can be predicted, and moved until it looks as it should
-(Lucas and Kanade 1981, with the shift and the stretch of a tile).
+(Lucas and Kanade 1981).
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from precompute.acquisition.tiling import Tiling
 
 Array = NDArray[np.float64]
 
-ROUNDS = 6
+ROUNDS = 5
 """Of fitting the pattern and moving the tiles."""
 
 LONGER = 1.6
 """Times a shift as it comes out: 1 takes twice as many rounds, from 2.5 on tiles run away."""
 
-STILL = 0.03
+STILL = 0.05
 """Median change, texels, from which another round would not be worth its time."""
 
 BLURS = (3.0, 1.5, 1.0)
@@ -37,14 +37,11 @@ other: the first sees shifts of several texels, the last the edges."""
 LOOSE = 0.02
 """How much of what a well lit tile tells of its place counts against moving it."""
 
-STIFF = 2.0
-"""The same of stretching it: paper stretches far less than tiles are shifted."""
-
-MOST_STRETCH = 0.02
-"""Of a tile in one step."""
+HALF = 0.05
+"""Brightness, in the brightest of what is predicted, that counts as half lit."""
 
 OUTLIER = 0.3
-"""Difference, in the brightest of what is predicted, from which an observation counts half."""
+"""Difference between lit and dark from which an observation counts half."""
 
 
 def aligned(
@@ -62,10 +59,9 @@ def aligned(
         reference: Row and column of the tile that stays where it is.
 
     Returns:
-        Of all that was tried the tiling whose pattern explains the photographs best.
+        The tiling, each tile with its shift.
     """
     places = texel_places(size)
-    best, most = tiling, -np.inf
     for round_ in range(ROUNDS):
         fit = fit_texels(
             calibration.shots,
@@ -75,27 +71,23 @@ def aligned(
             calibration.model,
             f"Alignment {round_}",
         )
-        if fit.gain.sum() > most:
-            best, most = tiling, fit.gain.sum()
-        moved = _moved(calibration, tiling, fit, size)
-        shifts = tiling.shifts + LONGER * (moved.shifts - tiling.shifts)
+        shifts = tiling.shifts + LONGER * (_moved(calibration, tiling, fit, size) - tiling.shifts)
         shifts -= shifts[reference]
         change = np.abs(shifts - tiling.shifts) / (tiling.size / size)
-        tiling = replace(moved, shifts=shifts)
+        tiling = replace(tiling, shifts=shifts)
         if np.median(change) < STILL:
             break
-    return best
+    return tiling
 
 
-def _moved(calibration: Calibration, tiling: Tiling, fit: Fit, size: tuple[int, int]) -> Tiling:
-    shifts, stretches = tiling.shifts.copy(), tiling.stretches.copy()
+def _moved(calibration: Calibration, tiling: Tiling, fit: Fit, size: tuple[int, int]) -> Array:
+    """The shifts of all tiles after a step with each blur."""
+    shifts = tiling.shifts.copy()
     for tile in tiling.tiles():
         for blur in BLURS:
-            now = replace(tiling, shifts=shifts, stretches=stretches)
-            shift, stretch = _step(calibration, now, fit, size, tile, blur)
-            shifts[tile] += shift
-            stretches[tile] += stretch
-    return replace(tiling, shifts=shifts, stretches=stretches)
+            now = replace(tiling, shifts=shifts)
+            shifts[tile] += _step(calibration, now, fit, size, tile, blur)
+    return shifts
 
 
 def _step(
@@ -105,43 +97,35 @@ def _step(
     size: tuple[int, int],
     tile: tuple[int, int],
     blur: float,
-) -> tuple[Array, Array]:
-    """By how much more a tile is shifted, mm, shape (2,), and stretched, shape (2, 2)."""
+) -> Array:
+    """By how much more a tile is shifted, mm, shape (2,)."""
     columns, rows = size
     place = texel_places(size)
     strip = observed(calibration.shots, tiling, place, calibration.highlight, [tile])
     shown = predicted(strip, calibration.model, fit)
     trust = strip.usable & ((fit.gain > 0) & (fit.strength > 0))[:, None]
+    brightest = shown.max(axis=(0, 1), initial=0)
+    if not brightest.any():
+        return np.zeros(2)
+    # Lobes that bumps move do not move edges: what counts is whether a texel is lit.
+    half = np.float32(HALF) * np.maximum(brightest, 1e-30)
     shown, seen = (
-        _blurred(np.where(trust[..., None], values, 0), size, blur)
-        for values in (shown, strip.intensity)
+        _blurred(np.where(trust[..., None], lit / (lit + half), 0), size, blur)
+        for lit in (np.maximum(shown, 0), np.maximum(strip.intensity, 0))
     )
-    brightest = float(shown.max(initial=0))
-    if brightest == 0:
-        return np.zeros(2), np.zeros((2, 2))
-    rest = (seen - shown) / brightest
+    rest = seen - shown
     weight = 1 / (1 + (rest / OUTLIER) ** 2)
-    # The pattern moved by d shows shown(x − d): rest = −∇shown · d, with d = shift + stretch · x.
+    # The pattern moved by d shows shown(x − d): rest = −∇shown · d.
     pitch = tiling.size / [columns, rows]
-    down, right = np.gradient(shown / brightest, axis=(0, 1))
-    gradient = np.stack([right / pitch[0], -down / pitch[1]], axis=-1)
-    x, y = np.moveaxis(((place - 0.5) * tiling.size * [1, -1]).reshape(rows, columns, 2), -1, 0)
-    x, y = x[..., None, None], y[..., None, None]
-    columns_of = [gradient[..., i] for i in range(2)]
-    columns_of += [gradient[..., i] * along for i in range(2) for along in (x, y)]
-    left = -np.stack([part.ravel() for part in columns_of], axis=1)
+    down, right = np.gradient(shown, axis=(0, 1))
+    left = np.stack([-right.ravel() / pitch[0], down.ravel() / pitch[1]], axis=1)
     weighted = left * weight.ravel()[:, None]
     normal = weighted.T @ left
     # Where a tile shows too little to tell, it stays as it is.
-    scale = np.trace(normal[:2, :2]) / 2 + 1e-30
-    held = scale * np.array([LOOSE, LOOSE, *[STIFF * np.mean(tiling.size) ** 2 / 4] * 4])
-    step = np.linalg.solve(normal + np.diag(held), weighted.T @ rest.ravel())
-    shift_limit = 2 * blur * pitch
-    shift, stretch = step[:2], step[2:].reshape(2, 2)
-    return (
-        shift.clip(-shift_limit, shift_limit).astype(np.float64),
-        stretch.clip(-MOST_STRETCH, MOST_STRETCH).astype(np.float64),
-    )
+    held = (LOOSE * np.trace(normal) / 2 + 1e-30) * np.eye(2)
+    step = np.linalg.solve(normal + held, weighted.T @ rest.ravel())
+    limit = 2 * blur * pitch
+    return step.clip(-limit, limit).astype(np.float64)
 
 
 def _blurred(values: Array32, size: tuple[int, int], blur: float) -> Array:

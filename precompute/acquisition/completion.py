@@ -12,8 +12,9 @@ from precompute.acquisition.pattern import Gratings
 
 Array = NDArray[np.float64]
 
-DIM = 0.01
-"""Gain, in that of a lobe at its peak, from which a texel counts as lit: seen 3 deviations off."""
+DIM = 3e-4
+"""Gain, in that of a lobe at its peak, from which a texel counts as lit: 1.7 % of its intensity,
+as it is seen 3 deviations off."""
 
 NOISE = 4.0
 """Times what noise alone gains from which a texel counts as lit."""

@@ -18,8 +18,8 @@ Array32 = NDArray[np.float32]
 ENTRIES = 600_000
 """Observations of a strip: some 30 MB with all that is reckoned from them."""
 
-LONGEST = 16384
-"""Texels of a strip: OpenCV looks at most twice as many up at once."""
+FOLD = 1024
+"""Points to a row when a list is looked up as a picture."""
 
 
 @dataclass(frozen=True)
@@ -132,13 +132,17 @@ def looked_up(shot: Shot, points: Array) -> tuple[Array32, NDArray[np.bool_]]:
         Shape (n, channels), linear between pixels, and (n,).
     """
     pixels = shot.rectification.pixels(points).astype(np.float32)
-    x, y = np.ascontiguousarray(pixels[:, None, 0]), np.ascontiguousarray(pixels[:, None, 1])
-    values = cv2.remap(shot.values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    # OpenCV looks up pictures of some 32000 pixels a side at most: the list is folded.
+    folded = np.zeros((-(-len(points) // FOLD) * FOLD, 2), np.float32)
+    folded[: len(points)] = pixels
+    x, y = (np.ascontiguousarray(part).reshape(-1, FOLD) for part in folded.T)
+    found = cv2.remap(shot.values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    values = found.reshape(len(folded), -1)[: len(points)]
     height, width = shot.usable.shape
     column, row = np.round(pixels[:, 0]).astype(np.intp), np.round(pixels[:, 1]).astype(np.intp)
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     good = inside & shot.usable[row.clip(0, height - 1), column.clip(0, width - 1)]
-    return np.asarray(values, np.float32).reshape(len(points), -1), good
+    return np.asarray(values, np.float32), good
 
 
 def texel_places(size: tuple[int, int]) -> Array:
@@ -155,6 +159,6 @@ def strips(texels: int, observations: int) -> Iterator[slice]:
         texels: How many there are.
         observations: Of each.
     """
-    length = min(max(1, ENTRIES // observations), LONGEST)
+    length = max(1, ENTRIES // observations)
     for start in range(0, texels, length):
         yield slice(start, min(start + length, texels))

@@ -18,15 +18,12 @@ class Tiling:
         size: Width and height of a tile, mm, shape (2,).
         corner: Top left corner of the tile in row 0 and column 0, mm, shape (2,).
         shifts: By how much each tile's pattern is off, mm, shape (rows, columns, 2).
-        stretches: How much more at a point's distance from the tile's middle, shape
-            (rows, columns, 2, 2).
         sample: Width and height of the sample, mm, shape (2,).
     """
 
     size: Array
     corner: Array
     shifts: Array
-    stretches: Array
     sample: Array
 
     @staticmethod
@@ -43,7 +40,7 @@ class Tiling:
         first = corner + before * size * [-1, 1]
         count = np.ceil(np.round([half[0] - first[0], first[1] + half[1]] / size, 6)).astype(int)
         shape = (int(count[1]), int(count[0]))
-        return Tiling(size, first, np.zeros((*shape, 2)), np.zeros((*shape, 2, 2)), sample)
+        return Tiling(size, first, np.zeros((*shape, 2)), sample)
 
     def tiles(self) -> list[tuple[int, int]]:
         """Row and column of each tile."""
@@ -62,8 +59,7 @@ class Tiling:
         """
         offset = (place - 0.5) * self.size * [1, -1]
         middle = self.corner + (np.array([column, row]) + 0.5) * self.size * [1, -1]
-        stretched = offset @ self.stretches[row, column].T
-        return middle + offset + stretched + self.shifts[row, column]
+        return middle + offset + self.shifts[row, column]
 
     def on_sample(self, points: Array) -> NDArray[np.bool_]:
         """Which points, mm, shape (n, 2), lie on the sample."""
