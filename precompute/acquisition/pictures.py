@@ -77,7 +77,7 @@ def _figures(acquired: Acquired) -> Iterator[tuple[str, Figure]]:
         yield f"rendering-{number}", _rendering(acquired, number)
 
 
-def _grid(tiling: Tiling, width: int) -> tuple[Array, tuple[int, int]]:
+def sample_grid(tiling: Tiling, width: int) -> tuple[Array, tuple[int, int]]:
     """Points over the sample, mm, row by row from its top left, and their rows and columns."""
     size = tiling.sample
     height = max(1, round(width * size[1] / size[0]))
@@ -88,7 +88,7 @@ def _grid(tiling: Tiling, width: int) -> tuple[Array, tuple[int, int]]:
 
 
 def _seen(shot: Shot, tiling: Tiling, width: int) -> Array:
-    points, shape = _grid(tiling, width)
+    points, shape = sample_grid(tiling, width)
     values, _ = looked_up(shot, points)
     return values.reshape(*shape, -1).astype(np.float64)
 
@@ -125,7 +125,7 @@ def _rectified(acquired: Acquired, number: int) -> Figure:
 
 def _half_vectors(shot: Shot, tiling: Tiling) -> Figure:
     """(u, v) over the sample: its direction as hue, its length as brightness and contours."""
-    points, shape = _grid(tiling, WIDTH)
+    points, shape = sample_grid(tiling, WIDTH)
     h, _ = half_vectors(points, shot.rectification.eye, shot.light)
     u, v = h[:, 0].reshape(shape), h[:, 1].reshape(shape)
     radius = np.hypot(u, v)
@@ -182,8 +182,10 @@ def _map(
 def _rendering(acquired: Acquired, number: int) -> Figure:
     """A photograph, and what the map shows under the same light, by the reference."""
     shot = _shots(acquired)[number]
-    points, shape = _grid(acquired.tiling, RENDERED)
-    rendered = rendering(acquired.foil, acquired.tiling, shot, points, acquired)
+    points, shape = sample_grid(acquired.tiling, RENDERED)
+    rendered = rendering(
+        acquired.foil, acquired.tiling, shot, points, acquired.calibration.roughness
+    )
     rendered = rendered.reshape(*shape, -1)
     seen = _seen(shot, acquired.tiling, RENDERED)
     figure = Figure((12, 5), layout="constrained")
@@ -197,7 +199,7 @@ def _rendering(acquired: Acquired, number: int) -> Figure:
     return figure
 
 
-def rendering(foil: Map, tiling: Tiling, shot: Shot, points: Array, acquired: Acquired) -> Array:
+def rendering(foil: Map, tiling: Tiling, shot: Shot, points: Array, roughness: float) -> Array:
     """What a map shows at points of the sample in a photograph's light, by the reference.
 
     Args:
@@ -205,7 +207,7 @@ def rendering(foil: Map, tiling: Tiling, shot: Shot, points: Array, acquired: Ac
         tiling: Where its tiles are; each is taken to be in its place.
         shot: Lamp, camera and channels.
         points: mm, shape (n, 2).
-        acquired: Roughness of the surface.
+        roughness: Of the normal, rad.
 
     Returns:
         Shape (n, channels).
@@ -217,7 +219,7 @@ def rendering(foil: Map, tiling: Tiling, shot: Shot, points: Array, acquired: Ac
     frequency = _coarser(flat.frequency)
     height = foil.constants["height_um"]
     assert isinstance(height, float)
-    relief = Relief(height, Sinusoidal(), 16.25, acquired.calibration.roughness)
+    relief = Relief(height, Sinusoidal(), 16.25, roughness)
     lamp = Lamp(shot.light, shot.radius, shot.weights)
     eye = shot.rectification.eye
     gratings = Gratings(flat.orientation, frequency, flat.strength)

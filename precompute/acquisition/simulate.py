@@ -104,8 +104,7 @@ def simulate_flash(file: Path, folder: Path) -> Path:
 
     Args:
         file: The recipe.
-        folder: Where a folder named as the recipe is made, with ``capture.json``, the photographs,
-            the camera's response and, in ``truth``, the foil's map and the tiles' shifts.
+        folder: Where a folder named as the recipe is made (see `simulated`).
 
     Returns:
         The capture file.
@@ -113,11 +112,27 @@ def simulate_flash(file: Path, folder: Path) -> Path:
     Raises:
         InputError: The recipe or one that it names is not one, or a number in it cannot be used.
     """
-    simulation = read_simulation(file)
+    return simulated(read_simulation(file), file, folder / file.stem)
+
+
+def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
+    """Simulate a capture.
+
+    Args:
+        simulation: What to photograph, and how.
+        file: Its recipe's; other files that it names are looked for beside it.
+        folder: Where ``capture.json``, the photographs, the camera's response and, in ``truth``,
+            the foil's map and the tiles' shifts are written.
+
+    Returns:
+        The capture file.
+
+    Raises:
+        InputError: As `simulate_flash`.
+    """
     foil, profile = _foil(file, simulation)
     rng = np.random.default_rng(simulation.seed)
     sheet = _sheet(simulation, foil, rng)
-    target = folder / file.stem
     response = sensitivity(simulation.camera, file.parent)
     size = simulation.size_px
     photographs = []
@@ -134,14 +149,14 @@ def simulate_flash(file: Path, folder: Path) -> Path:
             for start in tracked(range(0, size[1], ROWS), f"Photograph {index}")
         ]
         photographs.append(
-            _written(simulation, flash, np.concatenate(rows), target, f"flash-{index}", rng)
+            _written(simulation, flash, np.concatenate(rows), folder, f"flash-{index}", rng)
         )
         if flash.light.spectrum.endswith(".csv"):
-            _copied(file.parent / flash.light.spectrum, target)
-    _write_truth(foil, sheet, target / "truth")
-    capture = _capture(simulation, sheet, photographs, response, target)
-    capture.write(target / "capture.json")
-    return target / "capture.json"
+            _copied(file.parent / flash.light.spectrum, folder)
+    _write_truth(foil, sheet, folder / "truth")
+    capture = _capture(simulation, sheet, photographs, response, folder)
+    capture.write(folder / "capture.json")
+    return folder / "capture.json"
 
 
 def _foil(file: Path, simulation: Simulation) -> tuple[Map, Profile]:

@@ -125,7 +125,8 @@ class Acquisition(_Entry):
         paper: What the paper reports.
         paper_spread: Its standard deviation there.
         photographs: Number of photographs.
-        noise_db: Their signal to noise ratio, dB.
+        noise_db: Their signal to noise ratio at full scale, dB; ``null`` without noise.
+        seed: Whether it was measured by the papers' method.
     """
 
     case: str
@@ -137,7 +138,8 @@ class Acquisition(_Entry):
     paper: Finite | None = Missing
     paper_spread: Share | None = Missing
     photographs: Count
-    noise_db: Finite
+    noise_db: Finite | None
+    seed: bool = False
 
 
 class MinifiedFoil(_Entry):
