@@ -37,6 +37,9 @@ SEEN = 0.5
 SPOT = 9
 """Bright spots narrower than this, px of the small picture, are also tried to be left out."""
 
+STEADY = 0.75
+"""Share of a side that has to be seen for more than a parabola: that would swing in the gaps."""
+
 AREA = 0.1
 """Share of the picture that a sample covers at least."""
 
@@ -91,8 +94,9 @@ def find_corners(pictures: list[Picture], name: str) -> Corners:
     """Find the sample: the quadrilateral that stands out from what it lies on.
 
     It may be darker or lighter than that, if only the same way all around, and may be turned by
-    less than 45 degrees. Several pictures are used as one, their medians at each pixel (the
-    darker of two): what a lamp lights up in one is dark in most others. Straight edges are found
+    less than 45 degrees. Several pictures are used as one, at each pixel what two
+    thirds of them exceed (the darkest of up to three): what a lamp lights up in one is dark in
+    most others. Straight edges are found
     in a small picture, then measured in the large one by how much of their profiles is as bright
     as the outside, which is unbiased whatever the lens blurs; sides may be slightly bent.
 
@@ -104,21 +108,27 @@ def find_corners(pictures: list[Picture], name: str) -> Corners:
         x, y in px, clockwise from the sample's top left as the camera sees it.
 
     Raises:
-        InputError: No four such sides enclose a tenth of the picture.
+        InputError: No four such sides enclose a tenth of the picture, or so much shines beside one
+            that it cannot be measured.
     """
     greys = np.stack([np.mean(picture, axis=2) for picture in pictures])
-    middle = (len(greys) - 1) // 2
-    grey = np.partition(greys, middle, axis=0)[middle].astype(np.float32)
+    dark = (len(greys) - 1) // 3
+    grey = np.partition(greys, dark, axis=0)[dark].astype(np.float32)
     coarse, scale = _coarse(grey)
-    corners = (_outline(coarse, name) + 0.5) * scale - 0.5
+    outline = (_outline(coarse, name) + 0.5) * scale - 0.5
+    corners = outline
     sides = [Side(a, _unit(b - a), _length(b - a), np.zeros(1)) for a, b in _edges(corners)]
     widest = 2 * NEAR * float(scale.max())
-    for across in (widest + ACROSS, (widest + ACROSS) / 2, ACROSS, ACROSS):
-        sides = [_measured(grey, side, across) for side in sides]
+    passes = ((widest + ACROSS, 2), ((widest + ACROSS) / 2, 2), (ACROSS, 2), (ACROSS, DEGREE))
+    for across, degree in passes:
+        sides = [_measured(grey, side, across, degree) for side in sides]
         corners = np.array([_meeting(sides[i - 1], sides[i], corners[i]) for i in range(4)])
-    shares = [side.share for side in sides]
-    if min(shares) < SEEN:
-        raise _refusal(name, f"a quadrilateral of which a side is straight over {min(shares):.0%}")
+    least = min(side.share for side in sides)
+    moved = float(np.linalg.norm(corners - outline, axis=1).max())
+    if least < SEEN:
+        raise _refusal(name, f"a quadrilateral of which a side is straight over {least:.0%}")
+    if moved > widest:
+        raise _refusal(name, f"a quadrilateral whose sides bend by {moved:.0f} px at a corner")
     found = [(float(x), float(y)) for x, y in corners]
     return found[0], found[1], found[2], found[3]
 
@@ -254,7 +264,7 @@ def _support(
     return (seen[fours, stop] - seen[fours, start]) / np.maximum(length, 1), length
 
 
-def _measured(grey: Picture, side: Side, across: float) -> Side:
+def _measured(grey: Picture, side: Side, across: float, degree: int) -> Side:
     """A side moved to where the picture's profiles across it place it."""
     margin = min(across + 2, side.length / 4)
     blocks = min(BLOCKS, int((side.length - 2 * margin) / 4))
@@ -276,16 +286,20 @@ def _measured(grey: Picture, side: Side, across: float) -> Side:
     share = np.mean((profiles - inner[:, None]) / np.where(usable, contrast, 1)[:, None], axis=1)
     offset = (0.5 - share) * (steps[-1] - steps[0] + steps[1] - steps[0])
     measured = np.polynomial.polynomial.polyval(t, side.bend) + offset
-    bend, kept = _polynomial(t, measured, usable)
+    if side.share < STEADY:
+        degree = min(degree, 2)
+    bend, kept = _polynomial(t, measured, usable, degree)
     return Side(side.start, side.along, side.length, bend, kept)
 
 
-def _polynomial(t: Array, values: Array, usable: NDArray[np.bool_]) -> tuple[Array, float]:
+def _polynomial(
+    t: Array, values: Array, usable: NDArray[np.bool_], degree: int
+) -> tuple[Array, float]:
     """A polynomial through most values (Tukey's biweight), and the share of them within 1 px.
 
-    Its degree is as high as the values speak for: the least of Schwarz's criterion.
+    Its degree is up to `degree` as high as the values speak for: the least of Schwarz's criterion.
     """
-    highest = min(DEGREE, max(0, int(usable.sum()) // 6))
+    highest = min(degree, max(0, int(usable.sum()) // 6))
     powers = np.polynomial.polynomial.polyvander(t, highest)
     weights = usable.astype(np.float64)
     residuals = values
