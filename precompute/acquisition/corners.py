@@ -37,9 +37,6 @@ SEEN = 0.5
 SPOT = 9
 """Bright spots narrower than this, px of the small picture, are also tried to be left out."""
 
-STEADY = 0.75
-"""Share of a side that has to be seen for more than a parabola: that would swing in the gaps."""
-
 AREA = 0.1
 """Share of the picture that a sample covers at least."""
 
@@ -48,9 +45,6 @@ ACROSS = 5
 
 BLOCKS = 48
 """Places along a side, at most, at which the edge is measured."""
-
-DEGREE = 4
-"""Of the polynomial that a side is: radial distortion with k1 and k2 bends a line into one."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +92,7 @@ def find_corners(pictures: list[Picture], name: str) -> Corners:
     thirds of them exceed (the darkest of up to three): what a lamp lights up in one is dark in
     most others. Straight edges are found
     in a small picture, then measured in the large one by how much of their profiles is as bright
-    as the outside, which is unbiased whatever the lens blurs; sides may be slightly bent.
+    as the outside, which is unbiased whatever the lens blurs; sides may be bent as parabolas are.
 
     Args:
         pictures: Linear radiance, each of shape (height, width, channels), from one place.
@@ -119,7 +113,7 @@ def find_corners(pictures: list[Picture], name: str) -> Corners:
     corners = outline
     sides = [Side(a, _unit(b - a), _length(b - a), np.zeros(1)) for a, b in _edges(corners)]
     widest = 2 * NEAR * float(scale.max())
-    passes = ((widest + ACROSS, 2), ((widest + ACROSS) / 2, 2), (ACROSS, 2), (ACROSS, DEGREE))
+    passes = ((widest + ACROSS, 1), ((widest + ACROSS) / 2, 1), (ACROSS, 2), (ACROSS, 2))
     for across, degree in passes:
         sides = [_measured(grey, side, across, degree) for side in sides]
         corners = np.array([_meeting(sides[i - 1], sides[i], corners[i]) for i in range(4)])
@@ -283,11 +277,13 @@ def _measured(grey: Picture, side: Side, across: float, degree: int) -> Side:
     contrast = outer - inner
     usual = np.median(contrast)
     usable = contrast / usual > 0.3 if usual != 0 else np.zeros(blocks, bool)
-    share = np.mean((profiles - inner[:, None]) / np.where(usable, contrast, 1)[:, None], axis=1)
+    shown = (profiles - inner[:, None]) / np.where(usable, contrast, 1)[:, None]
+    share = np.mean(shown, axis=1)
     offset = (0.5 - share) * (steps[-1] - steps[0] + steps[1] - steps[0])
+    # What shines beside the edge makes a profile no step: such are few, and far off the others.
+    misfit = np.mean((shown - (steps > offset[:, None])) ** 2, axis=1)
+    usable &= misfit < 3 * np.median(misfit[usable]) + 0.01 if usable.any() else usable
     measured = np.polynomial.polynomial.polyval(t, side.bend) + offset
-    if side.share < STEADY:
-        degree = min(degree, 2)
     bend, kept = _polynomial(t, measured, usable, degree)
     return Side(side.start, side.along, side.length, bend, kept)
 

@@ -117,7 +117,7 @@ def find_tile(pictures: list[Array], pitch_mm: float) -> tuple[float, float]:
     displacements, weights = _pairs(masks, middles, usual / 2)
     rows, columns = pictures[0].shape
     periods = [
-        _period(displacements[:, axis], weights, 1.2 * usual, LONGEST * extent)
+        _period(displacements[:, axis], weights, 0.9 * usual, LONGEST * extent)
         for axis, extent in enumerate((columns, rows))
     ]
     if not all(period.is_clear and period.length > FEW * usual for period in periods):
@@ -129,7 +129,7 @@ def find_tile(pictures: list[Array], pitch_mm: float) -> tuple[float, float]:
         raise InputError(
             "capture",
             "sample.tile_mm",
-            f"{len(masks)} lit shapes some {usual * pitch_mm:.1f} mm wide, {len(displacements)} pairs "
+            f"{len(masks)} lit shapes {usual * pitch_mm:.1f} mm wide, {len(displacements)} pairs "
             f"alike; {found}",
             "a pattern that repeats so clearly that its tile can be found, or the tile's size",
         )
@@ -233,8 +233,8 @@ def _period(displacements: Array, weights: Array, shortest: float, longest: floa
     return Period(_refined(far, counts, length, spread, share), most, needed, lead)
 
 
-def _fit(far: Array, counts: Array, length: float, density: Array) -> tuple[float, float, float]:
-    """How much likelier a period makes displacements than a density, at which spread and share."""
+def _fit(far: Array, counts: Array, length: float) -> tuple[float, float, float]:
+    """How much likelier a period makes displacements than chance, at which spread and share."""
     best = (0.0, SPREADS[0], SHARES[0])
     for spread in SPREADS:
         ratio = _comb(far, length, spread)
