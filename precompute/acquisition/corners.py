@@ -144,7 +144,8 @@ def _outline(coarse: Array, name: str) -> Array:
     """The quadrilateral whose sides are seen best, clockwise from the top left, shape (4, 2)."""
     best, most, seen = None, 0.0, 0.0
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (SPOT, SPOT))
-    for shown in (coarse, cv2.morphologyEx(coarse, cv2.MORPH_OPEN, disc)):
+    opened = cv2.morphologyEx(coarse, cv2.MORPH_OPEN, disc).astype(np.float64)
+    for shown in (coarse, opened):
         points, direction = _edge_points(shown)
         for outwards in (direction, direction + np.pi):  # the surroundings lighter, darker
             lines = _lines(points, outwards, coarse.shape)
@@ -187,7 +188,7 @@ def _lines(points: Array, outwards: Array, shape: tuple[int, ...]) -> Array:
         (lines, 2).
     """
     turns, step = 180, 2.0
-    reach = int(np.ceil(np.hypot(*shape) / step))
+    reach = int(np.ceil(np.hypot(shape[0], shape[1]) / step))
     votes = np.zeros((turns, 2 * reach + 1))
     nearest = np.round(outwards / (2 * np.pi) * turns).astype(int)
     spread = round(TURN / (2 * np.pi) * turns)
@@ -195,8 +196,8 @@ def _lines(points: Array, outwards: Array, shape: tuple[int, ...]) -> Array:
         index = (nearest + offset) % turns
         angle = index * 2 * np.pi / turns
         distance = points[:, 0] * np.cos(angle) + points[:, 1] * np.sin(angle)
-        np.add.at(votes, (index, np.round(distance / step).astype(int) + reach), 1)
-    votes = cv2.blur(votes, (3, 1), borderType=cv2.BORDER_CONSTANT)
+        np.add.at(votes, (index, np.round(distance / step).astype(int) + reach), 1.0)
+    votes = cv2.blur(votes, (3, 1), borderType=cv2.BORDER_CONSTANT).astype(np.float64)
     lines = []
     for _ in range(LINES):
         turn, bin_ = np.unravel_index(np.argmax(votes), votes.shape)
@@ -296,7 +297,7 @@ def _polynomial(
     Its degree is up to `degree` as high as the values speak for: the least of Schwarz's criterion.
     """
     highest = min(degree, max(0, int(usable.sum()) // 6))
-    powers = np.polynomial.polynomial.polyvander(t, highest)
+    powers = np.asarray(np.polynomial.polynomial.polyvander(t, highest), np.float64)
     weights = usable.astype(np.float64)
     residuals = values
     for step in range(20):
@@ -317,7 +318,8 @@ def _polynomial(
 
 def _weighted(powers: Array, values: Array, weights: Array) -> Array:
     root = np.sqrt(weights)
-    return np.linalg.lstsq(powers * root[:, None], values * root, rcond=None)[0]
+    fit = np.linalg.lstsq(powers * root[:, None], values * root, rcond=None)[0]
+    return np.asarray(fit, np.float64)
 
 
 def _meeting(before: Side, after: Side, near: Array) -> Array:

@@ -170,7 +170,8 @@ def _cut_out(mask: NDArray[np.bool_], middle: Array, scale: float) -> Array:
     shift = WINDOW - scale * middle
     matrix = np.array([[scale, 0, shift[0]], [0, scale, shift[1]]])
     size = (2 * WINDOW + 1, 2 * WINDOW + 1)
-    return cv2.warpAffine(mask.astype(np.float32), matrix, size, flags=cv2.INTER_LINEAR).ravel()
+    window = cv2.warpAffine(mask.astype(np.float32), matrix, size, flags=cv2.INTER_LINEAR)
+    return window.ravel().astype(np.float64)
 
 
 def _lit(picture: Array) -> NDArray[np.bool_]:

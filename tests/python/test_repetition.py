@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
-from precompute.acquisition.capture import Camera
+from precompute.acquisition.capture import Camera, Corners
 from precompute.acquisition.rectification import Rectification
 from precompute.acquisition.repetition import find_tile, reference_tiling
 from precompute.acquisition.view import View
@@ -38,8 +38,8 @@ def pictures(seed, tile, extent=(120.0, 90.0), count=2, jitter=0.0, noise=0.0, m
     if middles is None:
         middles = rng.random((int(size.prod() / 9), 2))
     around = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 1, 2)
-    tree = cKDTree(((middles + around) * size).reshape(-1, 2))
-    distances, nearest = tree.query(np.mod(points - shift, size), k=2)
+    tree = KDTree(((middles + around) * size).reshape(-1, 2))
+    distances, nearest = map(np.asarray, tree.query(np.mod(points - shift, size), k=2))
     seam = distances[:, 1] - distances[:, 0] < 0.4
     direction = rng.uniform(0, np.pi, len(middles))[nearest[:, 0] % len(middles)]
     found = []
@@ -75,7 +75,7 @@ def test_parts_that_repeat_twice_in_a_tile_are_not_the_tile():
     rng = np.random.default_rng(4)
     some, others = rng.random((4, 2)) * [0.5, 1], rng.random((44, 2))
     again = some + np.array([0.5, 0])
-    near = cKDTree(np.concatenate([some, again])).query(others)[0]
+    near = np.asarray(KDTree(np.concatenate([some, again])).query(others)[0])
     middles = np.concatenate([some, again, others[near > 0.05]])
     found = find_tile(pictures(4, (24.0, 20.0), count=3, middles=middles), PITCH)
     assert found == pytest.approx((24.0, 20.0), abs=0.03)
@@ -114,9 +114,10 @@ VIEW = View.of(CAMERA, (800, 600))
 RECTIFICATION = Rectification.of_view(VIEW)
 
 
-def marked(corners):
+def marked(corners) -> Corners:
     seen = VIEW.pixels(np.array([(x, y, 0.0) for x, y in corners]))
-    return tuple((float(x), float(y)) for x, y in seen)
+    a, b, c, d = ((float(x), float(y)) for x, y in seen)
+    return a, b, c, d
 
 
 def rectangle(turn=0.0, skew=0.0, taper=1.0):
