@@ -130,15 +130,24 @@ def calibrated(
         scaled = [table.scaled(factor) for table, factor in zip(made, factors, strict=True)]
         return Model(scaled, shares / shares.sum(), strength, weights, np.inf)
 
+    def settled(roughness: float, frequencies: Array, shares: Array) -> tuple[Model, Fit]:
+        """The model with the strength that most sure texels have, and what it fits."""
+        free = model(roughness, frequencies, shares)
+        found = _fitted(look, free)
+        typical = _weighted_median(found.strength, _trust(found))
+        bound = replace(free, strength=strength * typical, strongest=1.0)
+        return bound, _fitted(look, bound)
+
+    if not np.any(_trust(_fitted(look, model(ROUGHNESS, frequencies, shares)))):
+        return None
     common = shares > COMMON * shares.max()
     gains = []
     for roughness in tracked(ROUGHNESSES, "Width of lobes"):
-        tried = model(roughness, frequencies[common], shares[common])
-        gains.append(np.sum(_fitted(look, tried).gain) * peak_energy(tried))
+        # With strengths that texels choose, wide lobes explain whatever is lit but once.
+        tried, fit = settled(roughness, frequencies[common], shares[common])
+        gains.append(np.sum(fit.gain) * peak_energy(tried))
     roughness = ROUGHNESSES[int(np.argmax(gains))]
-    fit = _fitted(look, model(roughness, frequencies, shares))
-    if not np.any(_trust(fit)):
-        return None
+    final, fit = settled(roughness, frequencies, shares)
     logarithm = np.log(fit.frequency)
     middle = _weighted_median(logarithm, _trust(fit))
     if is_one is None:
@@ -146,14 +155,9 @@ def calibrated(
     if is_one:
         for around in (WIDE, CLOSE):  # texels between the steps of the search pull it off
             near = np.exp(middle + around)
-            fit = _fitted(look, model(roughness, near, np.ones(len(near))))
+            _, fit = settled(roughness, near, np.ones(len(near)))
             middle = _weighted_median(np.log(fit.frequency), _trust(fit))
-        frequencies, shares = np.exp([middle]), np.ones(1)
-        fit = _fitted(look, model(roughness, frequencies, shares))
-    final = model(roughness, frequencies, shares)
-    final = replace(
-        final, strength=strength * _weighted_median(fit.strength, _trust(fit)), strongest=1.0
-    )
+        final, _ = settled(roughness, np.exp([middle]), np.ones(1))
     chance = CHANCE * max(np.max((w * dark) ** 2) for w, dark in zip(weights, noise, strict=True))
     return Calibration(
         *(shots, final, highlight, roughness, is_one, apparent),

@@ -186,6 +186,8 @@ class _Whitened:
     usable: NDArray[np.bool_]
     shot: Indices
     tables: list[Array32]
+    by_radius: Array32  # the tables as (channels, photographs, radii, F)
+    power: Array32  # Σ over channels of their squares, (photographs, radii, F)
 
     @staticmethod
     def of(strip: Strip, model: Model) -> _Whitened:
@@ -195,6 +197,7 @@ class _Whitened:
             for table, weight in zip(model.tables, model.channel_weights, strict=True)
         ]
         radius = np.hypot(strip.u, strip.v)
+        by_radius = np.ascontiguousarray(np.stack(tables).transpose(3, 0, 2, 1))
         return _Whitened(
             intensity,
             strip.u,
@@ -203,6 +206,8 @@ class _Whitened:
             strip.usable,
             strip.shot,
             tables,
+            by_radius,
+            np.sum(by_radius**2, axis=0),
         )
 
 
@@ -251,12 +256,14 @@ class _Lobes:
         angles = total.shape[1]
         nearest = REACH / float(self.across.min(initial=np.inf)) / float(self.step)
         reach = min(int(np.ceil(nearest)), angles // 2)
+        keys, lobes = [], []
         for offset in range(-reach, reach + 1):
             far = self.across * (offset * self.step - self.within)
             close = np.flatnonzero(np.abs(far) < REACH)
-            lobe = np.exp(-power * far[close] ** 2 / 2) * values[close]
-            key = self.rows[close] * angles + (self.nearest[close] + offset) % angles
-            total += np.bincount(key, lobe, total.size).reshape(total.shape)
+            lobes.append(np.exp(-power * far[close] ** 2 / 2) * values[close])
+            keys.append(self.rows[close] * angles + (self.nearest[close] + offset) % angles)
+        summed = np.bincount(np.concatenate(keys), np.concatenate(lobes), total.size)
+        total += summed.reshape(total.shape)
 
 
 def _gain(match: Array32, energy: Array32, strongest: float) -> Array32:
@@ -293,22 +300,26 @@ def _with_period(strip: _Whitened, model: Model, θ: Array32) -> tuple[Indices, 
     deviation = np.array([table.deviation for table in model.tables], np.float32)
     rows, columns, across = _near(strip, θ, deviation)
     lobe = np.exp(-(across**2) / 2)
-    n, (frequencies, radii, channels) = len(θ), strip.tables[0].shape
-    match = np.zeros((n, frequencies), np.float32)
-    energy = np.zeros((n, frequencies), np.float32)
-    place = np.minimum(np.round(strip.radius[rows, columns] / RADIUS_STEP), radii - 1)
-    for number, table in enumerate(strip.tables):
-        here = strip.shot[columns] == number
-        key = rows[here] * radii + place[here].astype(np.intp)
-        summed = np.bincount(key, lobe[here] ** 2, n * radii).reshape(n, radii)
-        energy += summed.astype(np.float32) @ np.sum(table**2, axis=2).T
-        seen = strip.intensity[rows[here], columns[here]] * lobe[here, None]
-        for channel in range(channels):
-            summed = np.bincount(key, seen[:, channel], n * radii).reshape(n, radii)
-            match += summed.astype(np.float32) @ table[:, :, channel].T
+    place = np.round(strip.radius[rows, columns] / RADIUS_STEP).astype(np.intp)
+    place = np.minimum(place, strip.power.shape[1] - 1)
+    index = (strip.shot[columns], place)
+    energy = (lobe**2)[:, None] * strip.power[index]
+    match = np.zeros_like(energy)
+    for channel, table in enumerate(strip.by_radius):
+        match += (lobe * strip.intensity[rows, columns, channel])[:, None] * table[index]
+    match, energy = (_summed(values, rows, len(θ)) for values in (match, energy))
     gains = _gain(match, energy, model.strength * model.strongest)
     best = np.argmax(gains, axis=1)
-    return best, gains[np.arange(n), best]
+    return best, gains[np.arange(len(θ)), best]
+
+
+def _summed(values: Array32, rows: Indices, n: int) -> Array32:
+    """Sums of the values (k, F) of each row, the rows being in order: shape (n, F)."""
+    result = np.zeros((n, values.shape[1]), np.float32)
+    if len(rows):
+        starts = np.flatnonzero(np.diff(rows, prepend=-1))
+        result[rows[starts]] = np.add.reduceat(values, starts, axis=0)
+    return result
 
 
 def _refined(

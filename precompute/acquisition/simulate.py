@@ -136,6 +136,8 @@ def simulate_flash(file: Path, folder: Path) -> Path:
         photographs.append(
             _written(simulation, flash, np.concatenate(rows), target, f"flash-{index}", rng)
         )
+        if flash.light.spectrum.endswith(".csv"):
+            _copied(file.parent / flash.light.spectrum, target)
     _write_truth(foil, sheet, target / "truth")
     capture = _capture(simulation, sheet, photographs, response, target)
     capture.write(target / "capture.json")
@@ -271,7 +273,8 @@ def _written(
             (-half_width, -half_height),
         ],
     )
-    fields = {"light": flash.light, "filter": flash.filter}
+    light = flash.light.model_copy(update={"spectrum": Path(flash.light.spectrum).name})
+    fields = {"light": light, "filter": flash.filter}
     if "photographs.corners_px" not in simulation.omit:
         fields["corners_px"] = corners
     if len(brackets) > 1:
@@ -323,6 +326,12 @@ def _capture(
         camera=type(simulation.camera)(**{k: v for k, v in camera.items() if k not in omit}),
         photographs=tuple(photographs),
     )
+
+
+def _copied(file: Path, folder: Path) -> None:
+    """A file that the recipe names, beside the capture, which names it too."""
+    with written_aside(folder / file.name) as aside:
+        aside.write_bytes(file.read_bytes())
 
 
 def _write_response(file: Path, names: tuple[str, ...], response: Array) -> None:
