@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 FEWEST = 50
 """Observations that make a mean."""
 
+VISIBLE = 0.05
+"""Of the most visible frequency's light, from which one is looked for: others, whose lobes lie
+beyond the sample but for their tails, could have any share."""
+
 
 @dataclass(frozen=True)
 class MeanProfile:
@@ -66,7 +70,11 @@ def frequency_shares(profile: MeanProfile, tables: list[LobeTable], weights: Arr
         Shape (F,), not below 0.
     """
     left, right = _equations(profile, tables, weights)
-    shares, _ = nnls(left, right)
+    light = np.linalg.norm(left, axis=0)
+    visible = light > VISIBLE * light.max(initial=0)
+    shares = np.zeros(left.shape[1])
+    if visible.any():
+        shares[visible], _ = nnls(left[:, visible], right)
     return shares
 
 

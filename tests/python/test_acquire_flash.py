@@ -1,0 +1,273 @@
+"""Flash photographs to a foil's map, as the command does it: simulated, solved, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner, Result
+
+from precompute.acquisition.flash_report import FlashReport
+from precompute.acquisition.image_files import read_image, write_image
+from precompute.acquisition.capture import read_capture
+from precompute.acquisition.pattern import gratings_of
+from precompute.cli import app
+from precompute.maps import Map
+
+PERIOD = 1.66
+TEXELS = 64
+LIGHTS = ((-45, 20, 150), (40, 30, 150), (5, -45, 150))
+ROUGHNESS_DEG = 0.2
+FOIL: dict[str, Any] = {
+    "kind": "foil",
+    "design": "polygons",
+    "size": TEXELS,
+    "tile_mm": 15,
+    "polygons": 6,
+    "orientations": 6,
+    "periods": [PERIOD],
+}
+RECIPE: dict[str, Any] = {
+    "kind": "flash-capture",
+    "foil": "foil.json",
+    "surface": {"size_mm": [90, 75], "roughness_deg": ROUGHNESS_DEG},
+    "camera": {"position_mm": [0, 0, 300], "focal_px": 900, "black": 256},
+    "size_px": [283, 236],
+    "photographs": [
+        {"light": {"position_mm": list(light)}, "exposures_s": [0.002, 0.06]} for light in LIGHTS
+    ],
+    "sensor": {"file": "tif", "bits": 16, "full_well": 30000, "read_noise": 4},
+    "step_nm": 20,
+    "subpixels": 1,
+}
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A capture of three photographs in two brackets each."""
+    folder = tmp_path_factory.mktemp("flash")
+    (folder / "foil.json").write_text(json.dumps(FOIL))
+    (folder / "bench.json").write_text(json.dumps(RECIPE))
+    result = run("simulate", "flash", folder / "bench.json", "-o", folder / "captures")
+    assert result.exit_code == 0
+    return folder / "captures" / "bench" / "capture.json"
+
+
+@pytest.fixture(scope="module")
+def solved(capture: Path) -> Path:
+    """The map made from it, and pictures of every step in ``debug``."""
+    folder = capture.parent / "solved"
+    size = ("--size", str(TEXELS), str(TEXELS))
+    result = run(
+        *("acquire", "flash", capture, "-o", folder / "foil", *size, "--debug", folder / "debug")
+    )
+    assert result.exit_code == 0
+    return folder
+
+
+def changed(capture: Path, folder: Path, change: Any) -> Path:
+    """A copy of a capture in which `change` was done to the JSON and the files beside it."""
+    for file in capture.parent.iterdir():
+        if file.is_file():
+            shutil.copy(file, folder)
+    fields = json.loads(capture.read_text())
+    change(fields, folder)
+    (folder / "capture.json").write_text(json.dumps(fields))
+    return folder / "capture.json"
+
+
+def mirror_pixel(light: Iterable[float]) -> np.ndarray:
+    """Where the camera, 300 mm before the sample, sees a lamp's mirror image."""
+    x, y, z = light
+    return np.array([141 + 3 * x * 300 / (z + 300), 117.5 - 3 * y * 300 / (z + 300)])
+
+
+def single(fields: dict[str, Any], bracket: int = 0) -> Iterable[str]:
+    """Keep one bracket of each photograph."""
+    for photograph in fields["photographs"]:
+        photograph |= photograph.pop("brackets")[bracket]
+        yield photograph["file"]
+
+
+def acquire(file: Path, *options: str) -> Result:
+    return run("acquire", "flash", file, "-o", file.parent / "foil", *options)
+
+
+def refusal(file: Path) -> str:
+    """The one line in which an acquisition ends."""
+    result = acquire(file, "--size", "16", "16")
+    assert result.exit_code == 2
+    assert not (file.parent / "foil.json").exists()
+    lines = result.stderr.strip().splitlines()
+    return lines[-1]
+
+
+# ---- What comes out ------------------------------------------------------------------------------
+
+
+def test_orientation_and_period_are_those_that_were_planted(capture: Path, solved: Path) -> None:
+    truth = gratings_of(Map.read(capture.parent / "truth" / "foil.json"))
+    foil = Map.read(solved / "foil.json")
+    found = gratings_of(foil)
+    seen = (foil.tables["confidence"].values[..., 0] > 0.2) & (truth.strength > 0)
+    assert np.mean(seen[truth.strength > 0]) > 0.85
+    off = np.mod(found.orientation - truth.orientation + np.pi / 2, np.pi) - np.pi / 2
+    assert np.median(np.abs(np.degrees(off[seen]))) <= 1
+    assert np.abs(np.mean(np.degrees(off[seen & (np.abs(off) < 0.1)]))) < 0.3  # no common turn
+    assert np.median(found.frequency[seen]) == pytest.approx(1 / PERIOD, rel=0.01)
+
+
+def test_the_report_says_what_was_seen(solved: Path) -> None:
+    report = FlashReport.model_validate_json((solved / "foil.report.json").read_text())
+    assert report.left_out == {} and report.remarks == []
+    assert report.is_one_period and not report.is_relative
+    assert report.periods_um[1] == pytest.approx(PERIOD, rel=0.01)
+    assert report.tiles == (6, 5) and report.tile_mm == (15, 15)
+    assert report.explained > 0.8
+    assert ROUGHNESS_DEG / 2 < report.roughness_deg < 2 * ROUGHNESS_DEG
+    shares = report.texels.model_dump()
+    assert sum(shares.values()) == pytest.approx(1)
+    assert shares["seen"] > 0.8
+    for photograph, light in zip(report.photographs, LIGHTS, strict=True):
+        # A pixel is 1/3 mm; the lamp moves 1.5 times as far as its image.
+        assert photograph.light_mm == pytest.approx(light, abs=0.5)
+        assert photograph.light_off_mm < 0.5
+        assert photograph.period_over_all == pytest.approx(1, abs=0.03)
+
+
+def test_the_map_is_one_that_the_material_can_load(solved: Path) -> None:
+    """What web/surfaces/foil.ts asks of a foil."""
+    foil = Map.read(solved / "foil.json")
+    assert foil.kind == "foil"
+    assert foil.recipe["profile"] == "sinusoidal"
+    low, high = foil.constants["min_frequency"], foil.constants["max_frequency"]
+    assert isinstance(low, float) and isinstance(high, float) and 0 < low <= high
+    assert foil.constants["height_um"] == 0.15
+    assert foil.constants["tile_mm"] == (15, 15)
+    assert foil.tables["grating"].values.shape == (TEXELS, TEXELS, 4)
+    assert foil.tables["confidence"].values.shape == (TEXELS, TEXELS, 1)
+    assert 0 <= foil.tables["confidence"].values.min() <= foil.tables["confidence"].values.max() <= 1
+
+
+def test_pictures_show_every_step(solved: Path) -> None:
+    names = {"lit", "orientation", "period", "confidence"}
+    for number in range(3):
+        names |= {f"rectified-{number}", f"half-vectors-{number}", f"rendering-{number}"}
+    files = list((solved / "debug").iterdir())
+    assert {file.stem for file in files} == names
+    for file in files:
+        with Image.open(file) as image:
+            assert np.asarray(image.convert("L")).std() > 5  # not one colour all over
+
+
+# ---- Less than three good photographs ------------------------------------------------------------
+
+
+def test_a_photograph_without_highlight_is_left_out(capture: Path, tmp_path: Path) -> None:
+    def covered(fields: dict[str, Any], folder: Path) -> None:
+        """Something dark on the foil, 36 mm wide, where the lamp's mirror image was."""
+        x, y = (round(float(c)) for c in mirror_pixel(LIGHTS[1]))
+        for name in ("flash-1-0.tif", "flash-1-1.tif"):
+            numbers = read_image(folder / name, read_capture(capture, "flash").camera).numbers
+            numbers[max(y - 54, 0) : y + 54, x - 54 : x + 54] = 300
+            write_image(folder / name, numbers, 1.0)
+
+    file = changed(capture, tmp_path, covered)
+    result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
+    assert result.exit_code == 0
+    report = FlashReport.model_validate_json((tmp_path / "foil.report.json").read_text())
+    assert [photograph.name for photograph in report.photographs] == [
+        "flash-0-0.tif",
+        "flash-2-0.tif",
+    ]
+    assert list(report.left_out) == ["flash-1-0.tif"]
+    assert "highlight = 'nothing but darkness'" in report.left_out["flash-1-0.tif"]
+    assert any("left out" in remark for remark in report.remarks)
+    assert report.periods_um[1] == pytest.approx(PERIOD, rel=0.02)
+
+
+def test_a_lamp_at_another_height_disagrees_with_the_others(capture: Path, tmp_path: Path) -> None:
+    """At 4/5 of its height the lamp's (u, v) grow, and so would the periods by that."""
+
+    def lowered(fields: dict[str, Any], folder: Path) -> None:
+        x, y, z = LIGHTS[2]
+        # The mirror image stays where it is: x/z + (its place) (1/z + 1/eye) = 0.
+        image = np.array([x, y]) * 300 / (z + 300)
+        lower = 0.8 * z
+        at = image * (1 + lower / 300)
+        fields["photographs"][2]["light"]["position_mm"] = [*at.tolist(), lower]
+
+    file = changed(capture, tmp_path, lowered)
+    result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
+    assert result.exit_code == 0
+    report = FlashReport.model_validate_json((tmp_path / "foil.report.json").read_text())
+    assert any("light.position_mm" in remark for remark in report.remarks)
+    first, second, wrong = (photograph.period_over_all for photograph in report.photographs)
+    assert wrong < 0.95 * min(first, second)
+    assert "light.position_mm" in result.stderr
+
+
+# ---- Bad input -----------------------------------------------------------------------------------
+
+
+def test_a_missing_photograph(capture: Path, tmp_path: Path) -> None:
+    def removed(fields: dict[str, Any], folder: Path) -> None:
+        (folder / "flash-1-1.tif").unlink()
+
+    assert "flash-1-1.tif" in refusal(changed(capture, tmp_path, removed))
+
+
+def test_photographs_of_other_sizes(capture: Path, tmp_path: Path) -> None:
+    def cropped(fields: dict[str, Any], folder: Path) -> None:
+        for name in ("flash-2-0.tif", "flash-2-1.tif"):
+            image = read_image(folder / name, read_capture(capture, "flash").camera)
+            write_image(folder / name, np.ascontiguousarray(image.numbers[:-10]), 1.0)
+
+    message = refusal(changed(capture, tmp_path, cropped))
+    assert "283 × 226" in message and "283 × 236" in message and "flash-2-0.tif" in message
+
+
+def test_highlights_that_are_clipped_everywhere(capture: Path, tmp_path: Path) -> None:
+    def long(fields: dict[str, Any], folder: Path) -> None:
+        list(single(fields, bracket=1))
+
+    message = refusal(changed(capture, tmp_path, long))
+    assert "highlight" in message and "clipped" in message and "flash-0-1.tif" in message
+
+
+def painted(fields: dict[str, Any], folder: Path, background: np.ndarray) -> None:
+    """Photographs of the lamp's mirror image on something else, numbers to 65535."""
+    height, width = background.shape[:2]
+    y, x = np.mgrid[:height, :width]
+    for name, photograph in zip(single(fields), fields["photographs"], strict=True):
+        column, row = mirror_pixel(photograph["light"]["position_mm"])
+        spot = np.exp(-((x - column) ** 2 + (y - row) ** 2) / (2 * 3.0**2))
+        picture = background + 40000 * spot[..., None]
+        write_image(folder / name, picture.clip(0, 65535).astype(np.uint16), 0.002)
+
+
+def test_nothing_lit_but_the_highlight(capture: Path, tmp_path: Path) -> None:
+    def dark(fields: dict[str, Any], folder: Path) -> None:
+        painted(fields, folder, np.full((236, 283, 3), 300.0))
+
+    message = refusal(changed(capture, tmp_path, dark))
+    assert "photographs" in message and "lit points of a foil" in message
+
+
+def test_a_photograph_of_something_else(capture: Path, tmp_path: Path) -> None:
+    def texture(fields: dict[str, Any], folder: Path) -> None:
+        rng = np.random.default_rng(3)
+        painted(fields, folder, 1500 * rng.random((236, 283, 3)) ** 2 + 256)
+
+    message = refusal(changed(capture, tmp_path, texture))
+    assert "photographs" in message and "as of a foil" in message
