@@ -209,14 +209,26 @@ def report(
             help="Folder of the report: docs/report, for chosen scenes tests/output/report.",
         ),
     ] = None,
+    acquisition: Annotated[
+        bool,
+        typer.Option(
+            "--acquisition",
+            help="Only what is acquired from photographs, in a report that is there.",
+        ),
+    ] = False,
 ) -> None:
     """Measure error against run time in Chromium: report.json, index.md and pictures."""
     from precompute.report.browser import ROOT, BrowserError
-    from precompute.report.run import SCENES, make_report
+    from precompute.report.run import SCENES, make_report, renew_acquisition
     from precompute.report.scenes import read_scenes
 
     folder = output or ROOT / ("tests/output/report" if scene else "docs/report")
     with one_line_errors():
+        if acquisition:
+            made = renew_acquisition(folder, console)
+            message = f"{len(made.acquisition)} rows in {folder / 'acquisition.md'}"
+            console.print(message, markup=False, soft_wrap=True)
+            return
         try:
             made = make_report(read_scenes(SCENES, scene), folder, console)
         except BrowserError as error:

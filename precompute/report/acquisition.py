@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 CAPTURES = ROOT / "maps" / "captures"
 DESIGNS = ("polygons", "stars", "circles", "periods")
 SHIFTS_PX = (0, 1, 2, 3)
+COUNT = 4 + 6 * len(SHIFTS_PX) + 12 * len(DESIGNS)
+"""Of rows."""
+
 PIXEL_MM = 0.25
 """Of flash-shifted: by how much tiles are off in pixels."""
 
@@ -186,10 +189,10 @@ def _design_rows(design: str, work: Path, pictures: Path) -> Iterator[Acquisitio
         case = f"flash-{design}" + (", seed" if is_seed else "")
         yield from _quantiles(taken, case, "orientation", "deg", errors.orientation, is_seed)
         yield from _quantiles(taken, case, "period", "1", errors.period, is_seed)
-        missed = 1.0 - errors.found
+        missed = np.where(errors.found, 0.0, 1.0)
         yield taken.row(case, "share of texels not seen", "1", missed, is_seed)
-        file = pictures / f"acquisition-{design}{'-seed' if is_seed else ''}.png"
-        error = round_trip(taken.truth, acquired, file)
+        picture = pictures / f"acquisition-{design}{'-seed' if is_seed else ''}.png"
+        error = round_trip(taken.truth, acquired, picture)
         yield taken.row(case, "relative RMSE under another light", "1", np.array([error]), is_seed)
 
 

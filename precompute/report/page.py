@@ -31,14 +31,14 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
         "# Error against run time\n",
         f"Made by `{report.generated_by}`, version {report.version}, on {report.backend}.\n",
         f"{met} of {len(held)} bars are met.\n",
-        _table(["asked", "bar", "measured", "", "worst in"], [bar.cells() for bar in bars]),
+        table(["asked", "bar", "measured", "", "worst in"], [bar.cells() for bar in bars]),
         _method_of_measurement(lacking),
         "## Added time\n",
         f"Time that a method adds to the same material with `{WITHOUT}`, and whole frames.\n",
         _added_times(results),
         "## White furnace\n",
         "Luminance over that of a polished surface of the same metal, on a sphere up to 89°.\n",
-        _table(
+        table(
             ["case", "pixels", "not finite", "negative", "largest", "RMS from 1"],
             [_stability_cells(entry, ".5f") for entry in report.furnaces()],
         ),
@@ -110,7 +110,7 @@ def _added_times(results: dict[str, SceneResult]) -> str:
         "iridescent / standard",
         "frame / standard",
     ]
-    return _table(header, rows)
+    return table(header, rows)
 
 
 def _stability_cells(entry: Stability, digits: str) -> list[str]:
@@ -135,7 +135,7 @@ The shader itself is driven to these edges, and to those of meshes, uv and scale
 """
     header = ["case", "pairs", "not finite", "negative", "largest", "relative RMSE"]
     rows = [_stability_cells(entry, ".5f") for entry in report.edges()]
-    return ["## Gratings at the edges\n", text, _table(header, rows)]
+    return ["## Gratings at the edges\n", text, table(header, rows)]
 
 
 def _height_field_stability(report: Report) -> list[str]:
@@ -160,7 +160,7 @@ The baked pattern: radiance where both directions graze.
     return [
         "## Height fields at the edges\n",
         text,
-        _table([*header, "relative RMSE", "bake"], rows),
+        table([*header, "relative RMSE", "bake"], rows),
     ]
 
 
@@ -179,7 +179,7 @@ def _table_memory(results: dict[str, SceneResult]) -> list[str]:
         return []
     rows = [[*key, str(own), str(whole)] for key, (own, whole) in sorted(sizes.items())]
     header = ["field", "method", "under", "its own tables, bytes", "with the light's"]
-    return ["## Tables of height fields\n", _table(header, rows)]
+    return ["## Tables of height fields\n", table(header, rows)]
 
 
 def _bake_cost(costs: list[BakeCost]) -> list[str]:
@@ -209,7 +209,7 @@ def _bake_cost(costs: list[BakeCost]) -> list[str]:
         "## Baking a height field\n",
         f"`diffraction bake` of {costs[0].terms} terms of Jacobi–Anger, each in a process of its "
         "own; what is not baking is starting Python. n is the number of samples.\n",
-        _table(header, rows),
+        table(header, rows),
         f"![time and memory over size]({BAKE_PICTURE})\n",
     ]
 
@@ -232,7 +232,7 @@ def _left_out(report: Report) -> list[str]:
     text = """What a material leaves out by itself, forced into the scene's first method, where it
 adds nothing to the picture: what that would cost.
 """
-    return ["## Left out\n", text, _table(header, rows)]
+    return ["## Left out\n", text, table(header, rows)]
 
 
 def _minified(report: Report) -> list[str]:
@@ -255,7 +255,7 @@ the mean over subpixels that show the nearest texel each: mean absolute differen
 radiance, mean radiance over the mean's, and the deviation of a pixel while the camera moves by less
 than one, over the mean's.
 """
-    return ["## Foils from afar\n", text, _table(header, rows)]
+    return ["## Foils from afar\n", text, table(header, rows)]
 
 
 def _scene(result: SceneResult) -> str:
@@ -285,7 +285,7 @@ def _scene(result: SceneResult) -> str:
             f"### {name}\n",
             f"{size} pixels, {compared.covered} covered and compared, {compared.lit} lit; "
             f"timed at {timed}.\n",
-            _table(header, rows),
+            table(header, rows),
             f"![error over time]({name}.png)\n",
             *pictures,
         ]
@@ -311,6 +311,7 @@ def _cells(row: Row, label: str) -> list[str]:
     ]
 
 
-def _table(header: list[str], rows: list[list[str]]) -> str:
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """A table in Markdown."""
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"

@@ -15,8 +15,11 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from precompute.errors import unreadable
+from precompute.files import written_aside
 from precompute.renderings import Rendering, reference_xyz
-from precompute.report import browser, left_out, minification
+from precompute.report import acquisition, browser, left_out, minification
+from precompute.report.acquisition_page import acquisition_page
 from precompute.report.bake_cost import SIZES, bake_cost
 from precompute.report.comparison import compare
 from precompute.report.furnace import PROFILES, Furnace, furnace_description, measure_furnace
@@ -26,7 +29,7 @@ from precompute.report.measured_errors import measured_errors
 from precompute.report.measurements import MethodResult, SceneResult
 from precompute.report.page import BAKE_PICTURE, index_page
 from precompute.report.pictures import draw_bake_cost, draw_comparison, draw_pareto
-from precompute.report.rows import BakeCost, LeftOut, MinifiedFoil, Report, Stability
+from precompute.report.rows import Acquisition, BakeCost, LeftOut, MinifiedFoil, Report, Stability
 from precompute.report.scenes import METHOD_OPTIONS, Scene, read_scenes
 from precompute.report.shader_cost import StaticCost, missing_packages, static_cost
 from precompute.report.stability import CASES, GRAZING, grazing_stability, series_stability
@@ -84,7 +87,46 @@ def make_report(scenes: list[Scene], output: Path, console: Console) -> Report:
     _write(report, results, output, lacking)
     if is_whole(scenes):
         MEASURED_ERRORS.write_text(measured_errors(report.rows, scenes).to_json(), "utf-8")
+        report = renew_acquisition(output, console)
     return report
+
+
+def renew_acquisition(output: Path, console: Console) -> Report:
+    """Measure acquired foils alone, and put them into a report that is there.
+
+    They need neither browser nor a quiet machine.
+
+    Args:
+        output: The report's folder.
+        console: For progress.
+
+    Raises:
+        InputError: There is no report.
+    """
+    file = output / "report.json"
+    try:
+        report = Report.model_validate_json(file.read_bytes())
+    except OSError as failure:
+        raise unreadable(file, failure) from failure
+    with tempfile.TemporaryDirectory() as folder:
+        with Progress(console=console) as progress:
+            report.acquisition = _acquired(Path(folder), progress)
+        for picture in Path(folder).iterdir():
+            shutil.copy(picture, output / picture.name)
+    with written_aside(output / "acquisition.md") as aside:
+        aside.write_text(acquisition_page(report.acquisition), "utf-8")
+    with written_aside(file) as aside:
+        aside.write_text(report.to_json(), "utf-8")
+    return report
+
+
+def _acquired(pictures: Path, progress: Progress) -> list[Acquisition]:
+    rows = []
+    with _stage(progress, "Acquisition", acquisition.COUNT) as advance:
+        for row in acquisition.acquisition_rows(pictures):
+            rows.append(row)
+            advance(f"{row.case}, {row.figure}: {row.value:.4g}")
+    return rows
 
 
 def is_whole(scenes: list[Scene]) -> bool:
