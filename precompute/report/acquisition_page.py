@@ -6,11 +6,11 @@ from precompute.report.acquisition import DESIGNS
 from precompute.report.page import table
 from precompute.report.rows import Acquisition
 
-TEXT = """Photographs are simulated by the reference (`maps/captures`), with what their recipes say of
-noise, bumps and tiles off their places, and solved by `diffraction acquire flash`. Errors are those
-of all texels that diffract in truth, edges and texels that no photograph shows included; of periods
-at one wavelength, those of texels that are seen. *seed* marks the 2018 paper's method: the brightest
-observation decides, tiles lie where they are marked.
+TEXT = """Photographs are simulated by the reference (`maps/captures`), with what their recipes say
+of noise, bumps and tiles off their places, and solved by `diffraction acquire flash`. Errors are
+those of all texels that diffract in truth, edges and texels that no photograph shows included; of
+periods at one wavelength, those of texels that are seen. *seed* marks the 2018 paper's method: the
+brightest observation decides, tiles lie where they are marked.
 """
 
 
