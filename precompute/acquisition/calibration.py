@@ -113,59 +113,128 @@ def calibrated(
     look = [observed(shots, tiling, some[part], highlight) for part in strips(len(some), count)]
     profile = MeanProfile.of(look, len(shots))
     weights = _channel_weights(profile, noise, shots)
-    tables = _tables(shots, ROUGHNESS, FREQUENCIES, height)
-    shares = frequency_shares(profile, tables, weights)
-    if not shares.any():
+    found = _Periods.of(shots, profile, weights, height)
+    if found is None:
         return None
-    factors = brightness(profile, tables, weights, shares)
-    factors /= factors[0]
-    tables = [table.scaled(factor) for table, factor in zip(tables, factors, strict=True)]
-    shares = frequency_shares(profile, tables, weights)
-    apparent = 1 / apparent_frequency(profile, tables, weights, shares)
-    # A period that few have is likelier an order mistaken for another.
-    kept = np.flatnonzero(shares > RARE * shares.max())
-    around = slice(max(kept[0] - 2, 0), kept[-1] + 3)
-    frequencies, shares = FREQUENCIES[around], shares[around]
-    strength = float(shares.sum())
-
-    def model(roughness: float, frequencies: Array, shares: Array) -> Model:
-        made = _tables(shots, roughness, frequencies, height)
-        scaled = [table.scaled(factor) for table, factor in zip(made, factors, strict=True)]
-        return Model(scaled, shares / shares.sum(), strength, weights, FREE)
-
-    def settled(roughness: float, frequencies: Array, shares: Array) -> tuple[Model, Fit]:
-        """The model with the strength that most sure texels have, and what it fits."""
-        free = model(roughness, frequencies, shares)
-        found = _fitted(look, free)
-        typical = _weighted_median(found.strength, _trust(found))
-        bound = replace(free, strength=strength * typical, strongest=1.0)
-        return bound, _fitted(look, bound)
-
-    if not np.any(_trust(_fitted(look, model(ROUGHNESS, frequencies, shares)))):
+    trial = _Trial(shots, look, weights, found.brightness, height, found.strength)
+    if not np.any(_trust(trial.free(ROUGHNESS, found.frequencies, found.shares)[1])):
         return None
-    common = shares > COMMON * shares.max()
-    gains = []
-    for roughness in tracked(ROUGHNESSES, "Width of lobes"):
-        # With strengths that texels choose, wide lobes explain whatever is lit but once.
-        tried, fit = settled(roughness, frequencies[common], shares[common])
-        gains.append(np.sum(fit.gain) * peak_energy(tried))
-    roughness = ROUGHNESSES[int(np.argmax(gains))]
-    final, fit = settled(roughness, frequencies, shares)
+    common = found.shares > COMMON * found.shares.max()
+    roughness = trial.roughness(found.frequencies[common], found.shares[common])
+    model, fit = trial.settled(roughness, found.frequencies, found.shares)
     logarithm = np.log(fit.frequency)
     middle = _weighted_median(logarithm, _trust(fit))
     if is_one is None:
         is_one = _weighted_median(np.abs(logarithm - middle), _trust(fit)) < ONE_PERIOD
     if is_one:
-        for around in (WIDE, CLOSE):  # texels between the steps of the search pull it off
-            near = np.exp(middle + around)
-            _, fit = settled(roughness, near, np.ones(len(near)))
-            middle = _weighted_median(np.log(fit.frequency), _trust(fit))
-        final, _ = settled(roughness, np.exp([middle]), np.ones(1))
+        model = trial.one_period(roughness, middle)
     chance = CHANCE * max(np.max((w * dark) ** 2) for w, dark in zip(weights, noise, strict=True))
     return Calibration(
-        *(shots, final, highlight, roughness, is_one, apparent),
-        noise=float(chance / peak_energy(final)),
+        *(shots, model, highlight, roughness, is_one, found.apparent),
+        noise=float(chance / peak_energy(model)),
     )
+
+
+@dataclass(frozen=True)
+class _Periods:
+    """What mean brightness says of periods and photographs.
+
+    Attributes:
+        frequencies: Those that occur, and some around, 1/µm.
+        shares: Their areas, times the strength of a point all of which diffracts.
+        brightness: Of each photograph over the first.
+        apparent: Period in each photograph over that in all.
+    """
+
+    frequencies: Array
+    shares: Array
+    brightness: Array
+    apparent: Array
+
+    @property
+    def strength(self) -> float:
+        """Of a point all of which diffracts, were that true of all."""
+        return float(self.shares.sum())
+
+    @staticmethod
+    def of(
+        shots: list[Shot], profile: MeanProfile, weights: Array32, height: float
+    ) -> _Periods | None:
+        """None where nothing is lit."""
+        tables = _tables(shots, ROUGHNESS, FREQUENCIES, height)
+        shares = frequency_shares(profile, tables, weights)
+        if not shares.any():
+            return None
+        factors = brightness(profile, tables, weights, shares)
+        factors /= factors[0]
+        tables = [table.scaled(factor) for table, factor in zip(tables, factors, strict=True)]
+        shares = frequency_shares(profile, tables, weights)
+        apparent = 1 / apparent_frequency(profile, tables, weights, shares)
+        # A period that few have is likelier an order mistaken for another.
+        kept = np.flatnonzero(shares > RARE * shares.max())
+        around = slice(max(kept[0] - 2, 0), kept[-1] + 3)
+        return _Periods(FREQUENCIES[around], shares[around], factors, apparent)
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Some texels, to which models are fitted until one suits.
+
+    Attributes:
+        shots: The photographs.
+        look: What they show of the texels.
+        weights: Of their channels.
+        brightness: Of each over the first.
+        height: h0, µm.
+        strength: A guess at that of a point all of which diffracts.
+    """
+
+    shots: list[Shot]
+    look: list[Strip]
+    weights: Array32
+    brightness: Array
+    height: float
+    strength: float
+
+    def free(self, roughness: float, frequencies: Array, shares: Array) -> tuple[Model, Fit]:
+        """A model that leaves texels their strength, and what it fits."""
+        tables = [
+            table.scaled(factor)
+            for table, factor in zip(
+                _tables(self.shots, roughness, frequencies, self.height),
+                self.brightness,
+                strict=True,
+            )
+        ]
+        model = Model(tables, shares / shares.sum(), self.strength, self.weights, FREE)
+        return model, _fitted(self.look, model)
+
+    def settled(self, roughness: float, frequencies: Array, shares: Array) -> tuple[Model, Fit]:
+        """The model with the strength that most sure texels have, and what it fits."""
+        free, fit = self.free(roughness, frequencies, shares)
+        typical = _weighted_median(fit.strength, _trust(fit))
+        bound = replace(free, strength=free.strength * typical, strongest=1.0)
+        return bound, _fitted(self.look, bound)
+
+    def roughness(self, frequencies: Array, shares: Array) -> float:
+        """The roughness that explains most at one strength.
+
+        With strengths that texels choose, wide lobes explain whatever is lit but once.
+        """
+        gains = []
+        for roughness in tracked(ROUGHNESSES, "Width of lobes"):
+            model, fit = self.settled(roughness, frequencies, shares)
+            gains.append(np.sum(fit.gain) * peak_energy(model))
+        return ROUGHNESSES[int(np.argmax(gains))]
+
+    def one_period(self, roughness: float, middle: float) -> Model:
+        """The model of the only frequency, near one whose logarithm is `middle`."""
+        for around in (WIDE, CLOSE):  # texels between the steps of the search pull it off
+            near = np.exp(middle + around)
+            _, fit = self.settled(roughness, near, np.ones(len(near)))
+            middle = _weighted_median(np.log(fit.frequency), _trust(fit))
+        model, _ = self.settled(roughness, np.exp([middle]), np.ones(1))
+        return model
 
 
 def _fitted(look: list[Strip], model: Model) -> Fit:
