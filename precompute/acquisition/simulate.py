@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 ROWS = 64
 """Rows of a photograph that are made at once: some MB of reference."""
 
+UNSEEN = 1e-6
+"""Share of a channel's largest response below which a wavelength is left out."""
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -138,6 +141,7 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
     photographs = []
     for index, flash in enumerate(simulation.photographs):
         weights = channel_weights(flash.light, flash.filter, response, file.parent)
+        weights[weights.max(axis=1) < UNSEEN * weights.max()] = 0
         unfiltered = channel_weights(flash.light, None, response, file.parent)
         lamp = Lamp(
             np.array(flash.light.position_mm),
