@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter1d
 from scipy.stats import norm
 
 from precompute.acquisition.lobes import ORDERS, RADIUS_MAX, RADIUS_STEP, LobeTable
@@ -53,13 +53,11 @@ class MeanLight:
         inside = column < RADII
         place = (row * RADII + column)[inside]
         size = angles * RADII
-        return MeanLight(
-            np.bincount(place, intensity[inside], size).reshape(angles, RADII),
-            np.bincount(place, minlength=size).astype(np.float64).reshape(angles, RADII),
+        total, count = (
+            np.bincount(place, weights, size).astype(np.float64).reshape(angles, RADII)
+            for weights in (intensity[inside], None)
         )
-
-    def __add__(self, other: MeanLight) -> MeanLight:
-        return MeanLight(self.total + other.total, self.count + other.count)
+        return MeanLight(total, count)
 
 
 class Lobes:
@@ -76,7 +74,7 @@ class Lobes:
     def __init__(
         self, weights: Array, deviation: float, frequencies: Array, height: float, angles: int
     ) -> None:
-        self._angles = angles
+        self.angles = angles
         self._first, self._higher = (
             LobeTable.of(weights[:, None], deviation, frequencies, height, orders)
             .values[:, :, 0]
@@ -85,9 +83,11 @@ class Lobes:
         )
         σ = deviation / (np.maximum(np.arange(RADII), 1) * RADIUS_STEP)
         step = np.pi / angles
-        apart = step * np.arange(angles)[:, None]
+        apart = np.linspace(0, np.pi, angles, endpoint=False)[:, None]
         # Half a turn and more off the kernel begins anew; next to the highlight it is even.
-        kernel = sum(_boxed_normal(apart + turn * np.pi, σ, step) for turn in range(-3, 3))
+        kernel = np.zeros((angles, RADII))
+        for turn in range(-3, 3):
+            kernel += _boxed_normal(apart + turn * np.pi, σ, step)
         self._spread = np.fft.rfft(np.sqrt(2 * np.pi) * σ * step * kernel, axis=0)
 
     def shown(self, shares: Array) -> Array:
@@ -116,7 +116,7 @@ class Lobes:
 
     def _turned(self, light: Array) -> Array:
         spectrum = np.fft.rfft(light, axis=0) * self._spread
-        return np.maximum(np.fft.irfft(spectrum, self._angles, axis=0), 0)
+        return np.maximum(np.fft.irfft(spectrum, self.angles, axis=0), 0)
 
 
 def _boxed_normal(x: Array, σ: Array, width: float) -> Array:
@@ -135,10 +135,12 @@ def seen_shares(lobes: list[Lobes], lights: list[MeanLight]) -> Array:
     Returns:
         0 to 1, shape (angles, frequencies).
     """
-    both = list(zip(lobes, lights, strict=True))
-    seen = sum(one.gathered((light.count > 0) * 1.0) for one, light in both)
-    sent = sum(one.gathered(np.ones_like(light.count)) for one, light in both)
-    return seen / np.maximum(sent, 1e-30)
+    seen = [
+        one.gathered((light.count > 0).astype(np.float64))
+        for one, light in zip(lobes, lights, strict=True)
+    ]
+    sent = [one.gathered(np.ones((one.angles, RADII))) for one in lobes]
+    return np.sum(seen, axis=0) / np.maximum(np.sum(sent, axis=0), 1e-30)
 
 
 def deconvolved(
@@ -165,15 +167,16 @@ def deconvolved(
     Returns:
         q up to a factor, of that shape.
     """
-    both = list(zip(lobes, lights, noise, strict=True))
-    sensitivity = sum(one.gathered(light.count) for one, light, _ in both)
-    shares = usable * 1.0
+    photographs = list(zip(lobes, lights, noise, strict=True))
+    sensitivity = np.sum([one.gathered(light.count) for one, light, _ in photographs], axis=0)
+    shares = usable.astype(np.float64)
     for step in range(steps):
         if step == steps // 2:
-            parts = [one.by_order(shares, light.count) for one, light, _ in both]
-            usable = usable & (sum(first for first, _ in parts) >= sum(rest for _, rest in parts))
+            parts = [one.by_order(shares, light.count) for one, light, _ in photographs]
+            first, higher = np.sum(parts, axis=0)
+            usable = usable & (first >= higher)
         gain = np.zeros_like(shares)
-        for one, light, dark in both:
+        for one, light, dark in photographs:
             raised = np.maximum(light.total + dark * light.count, 0)
             gain += one.gathered(raised / (one.shown(shares) + dark))
         shares = _smooth(shares * gain / np.maximum(sensitivity, 1e-30), usable)
@@ -182,7 +185,8 @@ def deconvolved(
 
 def _smooth(shares: Array, usable: NDArray[np.bool_]) -> Array:
     """A slight blur among what is usable."""
-    mode = ("wrap", "constant")
-    known = gaussian_filter(usable * 1.0, SMOOTH, mode=mode)
-    blurred = gaussian_filter(shares * usable, SMOOTH, mode=mode)
+    known, blurred = (
+        gaussian_filter1d(gaussian_filter1d(part, SMOOTH[0], 0, mode="wrap"), SMOOTH[1], 1)
+        for part in (usable.astype(np.float64), shares * usable)
+    )
     return np.where(usable, blurred / np.maximum(known, 1e-30), 0)

@@ -116,9 +116,10 @@ def test_orientations_periods_and_shares_are_found(
 
 
 def test_the_second_order_is_no_period_of_half_the_length(
-    coarse_and_fine: tuple[GratingDistribution, Shot],
+    coarse_and_fine: tuple[GratingDistribution, Shot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, shot = coarse_and_fine
+    monkeypatch.setattr("precompute.acquisition.stochastic.LIT", 0.05)
     found = estimate_distribution([shot], SIZE_MM).distribution
     seed = estimate_distribution([shot], SIZE_MM, method="threshold").distribution
     assert share_near(found, 20, 1.2) < 0.01
