@@ -158,7 +158,8 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
         if flash.light.spectrum.endswith(".csv"):
             _copied(file.parent / flash.light.spectrum, folder)
     _write_truth(foil, sheet, folder / "truth")
-    capture = _capture(simulation, sheet, photographs, response, folder)
+    stochastic = foil.recipe["design"] == "stochastic"
+    capture = _capture(simulation, sheet, stochastic, photographs, response, folder)
     capture.write(folder / "capture.json")
     return folder / "capture.json"
 
@@ -321,6 +322,7 @@ def _projected(simulation: Simulation, points: list[Point]) -> tuple[Point, ...]
 def _capture(
     simulation: Simulation,
     sheet: Sheet,
+    stochastic: bool,
     photographs: list[Photograph],
     response: Array,
     folder: Path,
@@ -332,8 +334,10 @@ def _capture(
     tile = _projected(simulation, [(left, top), (right, top), (right, bottom), (left, bottom)])
     sample = {
         "size_mm": simulation.surface.size_mm,
-        "tile_mm": tuple(sheet.tile.tolist()),
-        "reference_tile_px": tile,
+        "stochastic": stochastic,
+        # That what was strewn over a tile repeats is no pattern to look for.
+        "tile_mm": None if stochastic else tuple(sheet.tile.tolist()),
+        "reference_tile_px": None if stochastic else tile,
     }
     camera = simulation.camera.model_dump(exclude={"spectral_response_csv"})
     if "spectral_response_csv" not in omit:

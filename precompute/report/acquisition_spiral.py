@@ -17,7 +17,7 @@ from precompute.acquisition.capture import read_capture
 from precompute.acquisition.lobes import lobe_deviation
 from precompute.acquisition.observations import Shot, half_vectors
 from precompute.acquisition.shots import ROUGHNESS, read_shots
-from precompute.acquisition.simulate import simulate_flash
+from precompute.acquisition.simulate import simulated
 from precompute.acquisition.simulation import Simulation, read_simulation
 from precompute.acquisition.stochastic import Method, estimate_distribution
 from precompute.acquisition.transport import distribution_distance, picture_distance
@@ -124,11 +124,8 @@ def photographed(
     distribution.write(folder / f"{name}.distribution.json")
     foil |= {"distribution": {"kind": "file", "file": f"{name}.distribution.json"}, "seed": seed}
     (folder / f"{name}.foil.json").write_text(json.dumps(foil), "utf-8")
-    changed = simulation.model_dump(mode="json", exclude_none=True)
-    changed |= {"foil": f"{name}.foil.json", "seed": seed}
-    recipe = folder / f"{name}.json"
-    recipe.write_text(json.dumps(changed), "utf-8")
-    capture_file = simulate_flash(recipe, folder)
+    changed = simulation.model_copy(update={"foil": f"{name}.foil.json", "seed": seed})
+    capture_file = simulated(changed, folder / f"{name}.json", folder / name)
     capture = read_capture(capture_file, "flash")
     (shot,) = read_shots(capture, capture_file.parent, lambda _: None).shots
     return Taking(name, shot, capture.sample.size_mm)

@@ -208,6 +208,7 @@ def test_from_a_capture_to_a_design(tmp_path: Path) -> None:
     (tmp_path / "small.json").write_text(json.dumps(recipe), "utf-8")
     file = simulate_flash(tmp_path / "small.json", tmp_path)
     capture = read_capture(file, "flash")
+    assert capture.sample.stochastic and capture.sample.tile_mm is None
     said: list[str] = []
     files = acquire_stochastic(capture, file.parent, tmp_path / "found", said.append)
     assert [one.name for one in files] == ["found.json", "found.report.json"]
