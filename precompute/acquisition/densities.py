@@ -25,9 +25,6 @@ from precompute.acquisition.lobes import ORDERS, RADIUS_MAX, RADIUS_STEP, LobeTa
 
 Array = NDArray[np.float64]
 
-SMOOTH = (1.0, 0.5)
-"""Standard deviation of the blur, in cells over angle and frequency."""
-
 RADII = round(RADIUS_MAX / RADIUS_STEP)
 
 
@@ -43,6 +40,9 @@ class MeanLight:
 
     total: Array
     count: Array
+
+    def __add__(self, other: MeanLight) -> MeanLight:
+        return MeanLight(self.total + other.total, self.count + other.count)
 
     @staticmethod
     def of(u: Array, v: Array, intensity: Array, angles: int) -> MeanLight:
@@ -149,6 +149,7 @@ def deconvolved(
     noise: list[float],
     usable: NDArray[np.bool_],
     steps: int,
+    blur: float,
 ) -> Array:
     """The shares q under which what was seen is likely.
 
@@ -163,9 +164,10 @@ def deconvolved(
         noise: Of each photograph's points: light that is dimmer counts little.
         usable: Gratings that may occur, shape (angles, frequencies).
         steps: Of iteration.
+        blur: Standard deviation of the blur in cells over θ, half as much over 1/a.
 
     Returns:
-        q up to a factor, of that shape.
+        q up to the factor between I and shares of area, of that shape.
     """
     photographs = list(zip(lobes, lights, noise, strict=True))
     sensitivity = np.sum([one.gathered(light.count) for one, light, _ in photographs], axis=0)
@@ -179,14 +181,36 @@ def deconvolved(
         for one, light, dark in photographs:
             raised = np.maximum(light.total + dark * light.count, 0)
             gain += one.gathered(raised / (one.shown(shares) + dark))
-        shares = _smooth(shares * gain / np.maximum(sensitivity, 1e-30), usable)
+        shares = _smooth(shares * gain / np.maximum(sensitivity, 1e-30), usable, blur)
     return shares
 
 
-def _smooth(shares: Array, usable: NDArray[np.bool_]) -> Array:
+def log_likelihood(
+    lobes: list[Lobes], lights: list[MeanLight], noise: list[float], shares: Array
+) -> float:
+    """How well q foretells other light, as counts: that of points that q was not found from.
+
+    Args:
+        lobes: Of each photograph.
+        lights: What each shows beyond b, at those points.
+        noise: As `deconvolved` takes it.
+        shares: q.
+
+    Returns:
+        Up to a constant, in units of intensity.
+    """
+    total = 0.0
+    for one, light, dark in zip(lobes, lights, noise, strict=True):
+        expected = one.shown(shares) + dark
+        raised = light.total + dark * light.count
+        total += float(np.sum(raised * np.log(expected) - light.count * expected))
+    return total
+
+
+def _smooth(shares: Array, usable: NDArray[np.bool_], blur: float) -> Array:
     """A slight blur among what is usable."""
     known, blurred = (
-        gaussian_filter1d(gaussian_filter1d(part, SMOOTH[0], 0, mode="wrap"), SMOOTH[1], 1)
+        gaussian_filter1d(gaussian_filter1d(part, blur, 0, mode="wrap"), blur / 2, 1)
         for part in (usable.astype(np.float64), shares * usable)
     )
     return np.where(usable, blurred / np.maximum(known, 1e-30), 0)

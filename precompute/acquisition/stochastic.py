@@ -16,12 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from precompute.acquisition.calibration import HIGHLIGHT
-from precompute.acquisition.densities import Lobes, MeanLight, deconvolved, seen_shares
+from precompute.acquisition.densities import (
+    Lobes,
+    MeanLight,
+    deconvolved,
+    log_likelihood,
+    seen_shares,
+)
 from precompute.acquisition.lobes import lobe_deviation
 from precompute.acquisition.observations import Shot, half_vectors
 from precompute.acquisition.shots import ROUGHNESS
 from precompute.errors import InputError
 from precompute.foils.distribution import GratingDistribution
+from precompute.progress import tracked
 from precompute.spectra import WAVELENGTHS
 
 Array = NDArray[np.float64]
@@ -35,6 +42,12 @@ FREQUENCY_STEP = 0.01
 
 STEPS = 60
 """Of iteration."""
+
+BLURS = (0.3, 0.5, 0.75, 1.0, 1.5, 2.0)
+"""Of the estimate, in cells; the more shapes are lit, the less is best."""
+
+PATCH = 4.0
+"""Side of the squares, mm, by which a sample is parted into halves: wider than shapes."""
 
 SEEN = 0.5
 """Share of a grating's light that has to fall where it was looked for."""
@@ -108,7 +121,8 @@ def estimate_distribution(
     orientations = np.linspace(0, np.pi, ORIENTATIONS + 1)
     middles = (frequencies[1:] + frequencies[:-1]) / 2
     lobes = [Lobes(_grey(shot), _deviation(shot), middles, height, ORIENTATIONS) for shot in shots]
-    lights = [MeanLight.of(seen.u, seen.v, seen.intensity, ORIENTATIONS) for seen in points]
+    halves = [[one.light(half) for one in points] for half in (False, True)]
+    lights = [first + second for first, second in zip(*halves, strict=True)]
     seen = seen_shares(lobes, lights)
     if method == "threshold":
         lit = [_lit(one, λ) for one, λ in zip(points, wavelengths, strict=True)]
@@ -116,7 +130,18 @@ def estimate_distribution(
         weights, _, _ = np.histogram2d(θ, f, (orientations, frequencies))
     else:
         noise = [one.noise for one in points]
-        weights = deconvolved(lobes, lights, noise, seen >= SEEN, steps)
+
+        def foretold(blur: float) -> float:
+            """How well either half of the sample foretells the other."""
+            return sum(
+                log_likelihood(
+                    lobes, other, noise, deconvolved(lobes, half, noise, seen >= SEEN, steps, blur)
+                )
+                for half, other in (halves, halves[::-1])
+            )
+
+        blur = max(tracked(BLURS, "How sharp the distribution is"), key=foretold)
+        weights = deconvolved(lobes, lights, noise, seen >= SEEN, steps, blur)
     return Estimated(GratingDistribution(orientations, frequencies, weights), seen)
 
 
@@ -128,17 +153,25 @@ class _Points:
         u: (ω_i + ω_o)_x.
         v: (ω_i + ω_o)_y.
         intensity: Radiance over irradiance beyond what the median shows, most points being dark.
+        half: In which half of the sample they are, of squares by turns.
         noise: Standard deviation of dark points.
     """
 
     u: Array
     v: Array
     intensity: Array
+    half: NDArray[np.bool_]
     noise: float
+
+    def light(self, half: bool) -> MeanLight:
+        """What a half shows in each direction."""
+        chosen = self.half == half
+        u, v, intensity = self.u[chosen], self.v[chosen], self.intensity[chosen]
+        return MeanLight.of(u, v, intensity, ORIENTATIONS)
 
 
 def _observed(shot: Shot, size_mm: tuple[float, float]) -> _Points:
-    u, v, seen = (np.concatenate(part) for part in zip(*_pieces(shot, size_mm), strict=True))
+    u, v, seen, half = (np.concatenate(part) for part in zip(*_pieces(shot, size_mm), strict=True))
     if not len(seen):
         expected = "points of the sample outside the highlight"
         raise InputError(shot.name, "photograph", "none that can be used", expected)
@@ -149,10 +182,12 @@ def _observed(shot: Shot, size_mm: tuple[float, float]) -> _Points:
         found = f"a brightest hundredth outside the highlight of {over}"
         raise InputError(shot.name, "photograph", found, "lit gratings that stand out")
     # Without noise light that is a thousandth of the brightest is dark.
-    return _Points(u, v, seen - middle, max(noise, 1e-3 * (brightest - middle)))
+    return _Points(u, v, seen - middle, half, max(noise, 1e-3 * (brightest - middle)))
 
 
-def _pieces(shot: Shot, size_mm: tuple[float, float]) -> Iterator[tuple[Array, Array, Array]]:
+def _pieces(
+    shot: Shot, size_mm: tuple[float, float]
+) -> Iterator[tuple[Array, Array, Array, NDArray[np.bool_]]]:
     height, width = shot.usable.shape
     grey = shot.weights.sum(axis=0) / np.linalg.norm(shot.weights.sum(axis=0))
     rows = max(1, AT_ONCE // width)
@@ -169,7 +204,8 @@ def _pieces(shot: Shot, size_mm: tuple[float, float]) -> Iterator[tuple[Array, A
         light = shot.values[start:stop].reshape(-1, shot.values.shape[2])[good] @ grey
         outside = np.hypot(h[:, 0], h[:, 1]) > _highlight(shot)
         shown = light / irradiance - float(shot.background @ grey)
-        yield h[outside, 0], h[outside, 1], shown[outside]
+        half = np.floor(place / PATCH).sum(axis=1) % 2 > 0
+        yield h[outside, 0], h[outside, 1], shown[outside], half[outside]
 
 
 def _grey(shot: Shot) -> Array:
