@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from scipy.special import jv
 
 from precompute.acquisition.capture import Camera, read_capture
+from precompute.acquisition.densities import Lobes, MeanLight, log_likelihood
 from precompute.acquisition.observations import Shot, half_vectors
 from precompute.acquisition.pattern import Gratings
 from precompute.acquisition.radiance import ALIKE, MANY, Lamp, Relief, foil_radiance
 from precompute.acquisition.rectification import Rectification
 from precompute.acquisition.shots import ROUGHNESS
 from precompute.acquisition.simulate import simulate_flash
-from precompute.acquisition.stochastic import SEEN, estimate_distribution
+from precompute.acquisition.stochastic import SEEN, Estimated, estimate_distribution
 from precompute.acquisition.stochastic_report import StochasticReport, acquire_stochastic
 from precompute.acquisition.transport import distribution_distance
 from precompute.acquisition.view import View
@@ -100,11 +101,15 @@ def coarse_and_fine() -> tuple[GratingDistribution, Shot]:
     return true, photograph(true)
 
 
+@pytest.fixture(scope="module")
+def whole(coarse_and_fine: tuple[GratingDistribution, Shot]) -> Estimated:
+    return estimate_distribution([coarse_and_fine[1]], SIZE_MM)
+
+
 def test_orientations_periods_and_shares_are_found(
-    coarse_and_fine: tuple[GratingDistribution, Shot],
+    coarse_and_fine: tuple[GratingDistribution, Shot], whole: Estimated
 ) -> None:
-    true, shot = coarse_and_fine
-    found = estimate_distribution([shot], SIZE_MM).distribution
+    true, found = coarse_and_fine[0], whole.distribution
     assert distribution_distance(true, found) < 0.06
     mirrored = GratingDistribution(
         found.orientation_edges, found.frequency_edges, found.weights[::-1]
@@ -116,18 +121,19 @@ def test_orientations_periods_and_shares_are_found(
 
 
 def test_the_second_order_is_no_period_of_half_the_length(
-    coarse_and_fine: tuple[GratingDistribution, Shot], monkeypatch: pytest.MonkeyPatch
+    coarse_and_fine: tuple[GratingDistribution, Shot],
+    whole: Estimated,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     _, shot = coarse_and_fine
     monkeypatch.setattr("precompute.acquisition.stochastic.LIT", 0.05)
-    found = estimate_distribution([shot], SIZE_MM).distribution
     seed = estimate_distribution([shot], SIZE_MM, method="threshold").distribution
-    assert share_near(found, 20, 1.2) < 0.01
+    assert share_near(whole.distribution, 20, 1.2) < 0.01
     assert share_near(seed, 20, 1.2) > 0.05
 
 
 def test_lobes_are_narrower_than_what_they_light(
-    coarse_and_fine: tuple[GratingDistribution, Shot],
+    coarse_and_fine: tuple[GratingDistribution, Shot], whole: Estimated
 ) -> None:
     true, shot = coarse_and_fine
 
@@ -137,26 +143,38 @@ def test_lobes_are_narrower_than_what_they_light(
         share = np.where(near, one.weights, 0).sum(axis=1)
         return float(np.sqrt(np.average(turn**2, weights=share)))
 
-    found = estimate_distribution([shot], SIZE_MM).distribution
     seed = estimate_distribution([shot], SIZE_MM, method="threshold").distribution
     assert turn_spread(true) == pytest.approx(4, rel=0.05)
-    assert turn_spread(found) < 5.5  # the blur that a step is followed by, 2°, is in it
+    assert turn_spread(whole.distribution) < 5.5  # with the blur of up to 2° after each step
     assert turn_spread(seed) > 5.5
 
 
 def test_what_is_out_of_the_picture_is_not_said_to_be_absent(
-    coarse_and_fine: tuple[GratingDistribution, Shot],
+    coarse_and_fine: tuple[GratingDistribution, Shot], whole: Estimated
 ) -> None:
     _, shot = coarse_and_fine
     right = np.indices(shot.usable.shape)[1] > SIZE_PX[0] * 0.75
     estimated = estimate_distribution([replace(shot, usable=shot.usable & ~right)], SIZE_MM)
-    whole = estimate_distribution([shot], SIZE_MM)
     assert estimated.covered < whole.covered < 1
     assert not estimated.distribution.weights[estimated.seen < SEEN].any()
     # The other side of the highlight shows the same.
     row = np.searchsorted(estimated.distribution.orientation_edges, 0.02) - 1
     column = np.searchsorted(estimated.distribution.frequency_edges, 0.7) - 1
     assert estimated.seen[row, column] == pytest.approx(whole.seen[row, column], abs=0.1)
+
+
+def test_other_points_are_foretold_best_by_the_shares_they_were_drawn_from() -> None:
+    middles = np.arange(0.3, 1.0, 0.01)
+    lobes = Lobes(GREEN[:, 0], 0.0135, middles, 0.15, 90)
+    rng = np.random.default_rng(6)
+    true = rng.random((90, len(middles))) * 1e-3
+    shown = lobes.shown(true)
+    light = MeanLight(shown * 10, np.full(shown.shape, 10.0))
+
+    def foretold(shares: Array) -> float:
+        return log_likelihood([lobes], [light], [0.01], shares)
+
+    assert all(foretold(true) > foretold(wrong) for wrong in (true * 1.1, true * 0.9, true[::-1]))
 
 
 def test_white_light_is_refused(coarse_and_fine: tuple[GratingDistribution, Shot]) -> None:
