@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 EXPONENT_CUT = 45.0
 """A lobe is taken as zero where its exponent is below −45: e^−45 = 3e-20 of the peak."""
 
+EVALUATED_AT_ONCE = 16384
+"""Directions times wavelengths of one evaluation: some MB, and no loop for a few directions."""
+
 Environment = Callable[[Array], Array]
 """Linear sRGB radiance (n, 3) for unit directions (n, 3)."""
 
@@ -288,11 +291,20 @@ def weighted_brdf(
         Shape (n, channels).
     """
     result = np.zeros((len(wi), weights.shape[1]))
-    for λ, weight in zip(WAVELENGTHS[::step], weights[::step], strict=True):
-        if not np.any(weight):
-            continue
-        f = spectral_brdf(grating, wi, wo, np.full(len(wi), λ), angular_radius)
-        result += step * WAVELENGTH_STEP * f[:, None] * weight
+    lit = np.arange(0, len(WAVELENGTHS), step)
+    lit = lit[weights[lit].any(axis=1)]
+    at_once = max(1, EVALUATED_AT_ONCE // max(len(wi), 1))
+    for start in range(0, len(lit), at_once):
+        some = lit[start : start + at_once]
+        pairs = (len(some), len(wi))
+        f = spectral_brdf(
+            grating,
+            np.broadcast_to(wi, (*pairs, 3)).reshape(-1, 3),
+            np.broadcast_to(wo, (*pairs, 3)).reshape(-1, 3),
+            np.repeat(WAVELENGTHS[some], len(wi)),
+            angular_radius,
+        )
+        result += step * WAVELENGTH_STEP * f.reshape(pairs).T @ weights[some]
     return result
 
 

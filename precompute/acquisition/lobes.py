@@ -65,7 +65,13 @@ class LobeTable:
     deviation: float
 
     @staticmethod
-    def of(weights: Array, deviation: float, frequencies: Array, height: float) -> LobeTable:
+    def of(
+        weights: Array,
+        deviation: float,
+        frequencies: Array,
+        height: float,
+        orders: range = range(1, ORDERS + 1),
+    ) -> LobeTable:
         """Tabulate.
 
         Args:
@@ -79,7 +85,7 @@ class LobeTable:
         radii = round(RADIUS_MAX / RADIUS_STEP)
         fine = np.zeros((len(frequencies), radii * FINER + 1, weights.shape[1]))
         rows = np.arange(len(frequencies))[:, None]
-        for m in range(1, ORDERS + 1):
+        for m in orders:
             efficiency = jv(m, np.pi * MEAN_W * height / λ) ** 2
             power = WAVELENGTH_STEP * weights[lit] * efficiency[:, None]
             place = np.minimum(

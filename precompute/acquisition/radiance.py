@@ -19,6 +19,10 @@ Array = NDArray[np.float64]
 FLAT = 1e-6
 """Height, µm, of a grating that is but a mirror: 1e-11 of the light leaves order 0."""
 
+MANY, ALIKE = 64, 0.002
+"""More frequencies than so many are rounded by so much of themselves, a tenth of how far a narrow
+filter's band spreads an order."""
+
 
 @dataclass(frozen=True)
 class Relief:
@@ -88,7 +92,7 @@ def foil_radiance(
         Shape (n, channels).
     """
     result = np.zeros((len(points), lamp.weights.shape[1]))
-    frequency = np.where(gratings.strength > 0, gratings.frequency, 0.0)
+    frequency = np.where(gratings.strength > 0, _few(gratings.frequency), 0.0)
     parts = [
         (piece, relief.grating(value), gratings.strength if value > 0 else 1 - gratings.strength)
         for value in {0.0, *np.unique(frequency).tolist()}
@@ -107,6 +111,14 @@ def foil_radiance(
         for (rows, _, _), values in zip(parts, pool.map(evaluated, parts), strict=True):
             result[rows] += values
     return result
+
+
+def _few(frequency: Array) -> Array:
+    """Frequencies, or, where there are too many to go through, what they are to `ALIKE`."""
+    if len(np.unique(frequency)) <= MANY:
+        return frequency
+    with np.errstate(divide="ignore"):
+        return np.exp(ALIKE * np.round(np.log(frequency) / ALIKE))
 
 
 def _shows(value: float, frequency: Array, strength: Array) -> NDArray[np.bool_]:

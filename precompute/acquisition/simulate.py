@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 ROWS = 64
 """Rows of a photograph that are made at once: some MB of reference."""
 
+UNSEEN = 1e-6
+"""Share of a channel's largest response below which a wavelength is left out."""
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -138,6 +141,7 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
     photographs = []
     for index, flash in enumerate(simulation.photographs):
         weights = channel_weights(flash.light, flash.filter, response, file.parent)
+        weights[weights.max(axis=1) < UNSEEN * weights.max()] = 0
         unfiltered = channel_weights(flash.light, None, response, file.parent)
         lamp = Lamp(
             np.array(flash.light.position_mm),
@@ -154,7 +158,8 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
         if flash.light.spectrum.endswith(".csv"):
             _copied(file.parent / flash.light.spectrum, folder)
     _write_truth(foil, sheet, folder / "truth")
-    capture = _capture(simulation, sheet, photographs, response, folder)
+    stochastic = foil.recipe["design"] == "stochastic"
+    capture = _capture(simulation, sheet, stochastic, photographs, response, folder)
     capture.write(folder / "capture.json")
     return folder / "capture.json"
 
@@ -317,6 +322,7 @@ def _projected(simulation: Simulation, points: list[Point]) -> tuple[Point, ...]
 def _capture(
     simulation: Simulation,
     sheet: Sheet,
+    stochastic: bool,
     photographs: list[Photograph],
     response: Array,
     folder: Path,
@@ -328,8 +334,10 @@ def _capture(
     tile = _projected(simulation, [(left, top), (right, top), (right, bottom), (left, bottom)])
     sample = {
         "size_mm": simulation.surface.size_mm,
-        "tile_mm": tuple(sheet.tile.tolist()),
-        "reference_tile_px": tile,
+        "stochastic": stochastic,
+        # That what was strewn over a tile repeats is no pattern to look for.
+        "tile_mm": None if stochastic else tuple(sheet.tile.tolist()),
+        "reference_tile_px": None if stochastic else tile,
     }
     camera = simulation.camera.model_dump(exclude={"spectral_response_csv"})
     if "spectral_response_csv" not in omit:
