@@ -170,7 +170,7 @@ def test_the_eye_that_the_capture_states_is_taken() -> None:
 
 
 def test_without_focal_length_a_normal_lens_stands_for_it() -> None:
-    """Straight above, the eye is as far as the assumed focal length says, and not to be relied on."""
+    """Straight above, the eye is as far as the assumed focal length says; not to be relied on."""
     found = from_corners(camera(), Camera())
     assumed = NORMAL_LENS * SIZE_PX[0]
     assert found.eye == pytest.approx([0, 0, 500 * assumed / 2000], abs=1e-3)
