@@ -17,7 +17,6 @@ from precompute.acquisition.lobe_fit import Fit, Model, fit_strip, peak_energy
 from precompute.acquisition.lobes import RADIUS_STEP, Array32, LobeTable, lobe_deviation
 from precompute.acquisition.observations import Shot, Strip, observed, strips
 from precompute.acquisition.periods import (
-    FEWEST,
     MeanProfile,
     apparent_frequency,
     brightness,
@@ -64,8 +63,12 @@ COMMON = 0.2
 CHANCE = 9.0
 """Squared deviations that noise reaches at the best of a hundred orientations: 2 ln 100."""
 
-SURE = 0.5
-"""Margin of a fit from which others may rely on it."""
+MANY = 1000
+"""Observations at a distance from the highlight whose mean is little noise."""
+
+FREE = 4.0
+"""Largest strength, over its estimate by the mean, while it is not known: without a bound a lobe's
+far tail would explain whatever is lit but once."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,7 @@ def calibrated(
     def model(roughness: float, frequencies: Array, shares: Array) -> Model:
         made = _tables(shots, roughness, frequencies, height)
         scaled = [table.scaled(factor) for table, factor in zip(made, factors, strict=True)]
-        return Model(scaled, shares / shares.sum(), strength, weights, np.inf)
+        return Model(scaled, shares / shares.sum(), strength, weights, FREE)
 
     def settled(roughness: float, frequencies: Array, shares: Array) -> tuple[Model, Fit]:
         """The model with the strength that most sure texels have, and what it fits."""
@@ -171,8 +174,8 @@ def _fitted(look: list[Strip], model: Model) -> Fit:
 
 
 def _trust(fit: Fit) -> Array:
-    """What each texel's fit counts for."""
-    return np.where(fit.margin > SURE, fit.gain, 0)
+    """What each texel's fit counts for: the brighter and the less ambiguous, the more."""
+    return fit.gain * fit.margin**2
 
 
 def _weighted_median(values: Array, weights: Array) -> float:
@@ -221,7 +224,7 @@ def _channel_weights(profile: MeanProfile, noise: list[Array32], shots: list[Sho
     ρ = np.arange(profile.mean.shape[1])[:, None] * RADIUS_STEP
     for mean, count, dark, shot in zip(profile.mean, profile.count, noise, shots, strict=True):
         # A lobe's peak is ρπ/(√2π c) times the mean over orientations.
-        brightest = np.max(np.where(count[:, None] >= FEWEST, ρ * mean, 0), axis=0)
+        brightest = np.max(np.where(count[:, None] >= MANY, ρ * mean, 0), axis=0)
         peak = brightest * np.sqrt(np.pi / 2) / lobe_deviation(shot.radius, ROUGHNESS)
         error = MODEL_ERROR * np.maximum(peak, DIM * peak.max())
         weights.append(1 / np.hypot(error, dark))

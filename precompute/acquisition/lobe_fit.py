@@ -14,6 +14,7 @@ from os import cpu_count
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
 from precompute.acquisition.lobes import RADIUS_STEP, Array32, LobeTable, at_radius
 from precompute.acquisition.observations import Shot, Strip, observed, strips
@@ -40,6 +41,9 @@ DARK = 0.01
 
 LIT = 1.0
 """Errors, as `Model.channel_weights` count them, from which an observation is certainly lit."""
+
+RAREST = 1e-3
+"""How common a period is at least taken to be, over the commonest."""
 
 STEPS = 3
 """Of refinement; each about halves or better the distance to the best orientation."""
@@ -309,8 +313,16 @@ def _with_period(strip: _Whitened, model: Model, θ: Array32) -> tuple[Indices, 
         match += (lobe * strip.intensity[rows, columns, channel])[:, None] * table[index]
     match, energy = (_summed(values, rows, len(θ)) for values in (match, energy))
     gains = _gain(match, energy, model.strength * model.strongest)
+    # Twice a logarithm of likelihood is a gain: what few have needs more to be believed.
+    gains += np.float32(2) * np.log(_commonness(model.shares)).astype(np.float32)
     best = np.argmax(gains, axis=1)
-    return best, gains[np.arange(len(θ)), best]
+    return best, np.maximum(gains[np.arange(len(θ)), best], 0)
+
+
+def _commonness(shares: Array) -> Array:
+    """How common frequencies like each are, over the commonest, none below `RAREST`."""
+    smooth = gaussian_filter1d(shares, 2.0)
+    return np.maximum(smooth / smooth.max(), RAREST)
 
 
 def _summed(values: Array32, rows: Indices, n: int) -> Array32:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from precompute.acquisition.capture import Capture, Photograph
+from precompute.acquisition.capture import Capture, Corners
+from precompute.acquisition.corners import find_corners
 from precompute.acquisition.highlight import Highlight, find_highlight
 from precompute.acquisition.lobes import lobe_deviation
 from precompute.acquisition.observations import Shot
@@ -57,10 +58,10 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
     if capture.camera.spectral_response_csv is None:
         say("camera.spectral_response_csv is not given: a typical sensor's is taken")
     taken = Taken([], [], {}, [])
-    for photograph, photo in zip(
-        capture.photographs, read_photographs(capture, folder), strict=True
-    ):
-        rectification = _rectification(capture, photograph, photo)
+    photos = list(read_photographs(capture, folder))
+    found = _found_corners(capture, photos, say)
+    for photograph, photo in zip(capture.photographs, photos, strict=True):
+        rectification = _rectification(capture, photo, photograph.corners_px or found)
         if not rectification.is_scaled and not taken.shots:
             say("camera.position_mm and camera.focal_px are not given: periods are relative")
         light = photograph.light
@@ -97,9 +98,36 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
     return taken
 
 
-def _rectification(capture: Capture, photograph: Photograph, photo: Photo) -> Rectification:
+def _found_corners(
+    capture: Capture, photos: list[Photo], say: Callable[[str], None]
+) -> Corners | None:
+    """The sample's corners where photographs do not have them; None where the camera says it all.
+
+    The camera does not move: what is found in some photographs holds for all that have none.
+    """
+    without = [
+        photo
+        for photograph, photo in zip(capture.photographs, photos, strict=True)
+        if photograph.corners_px is None
+    ]
+    if not without:
+        return None
+    names = ", ".join(photo.name for photo in without)
+    try:
+        corners = find_corners([photo.values for photo in without], names)
+    except InputError as error:
+        if capture.camera.position_mm is None or capture.camera.focal_px is None:
+            raise
+        say(f"{error}; the camera's position and focal length are taken instead")
+        return None
+    shown = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in corners)
+    say(f"photographs.corners_px found: {shown}")
+    return corners
+
+
+def _rectification(capture: Capture, photo: Photo, corners: Corners | None) -> Rectification:
     height, width = photo.values.shape[:2]
-    camera, size_mm = capture.camera, capture.sample.size_mm
-    if photograph.corners_px is None:
-        return Rectification.of_view(View.of(camera, (width, height)))
-    return Rectification.of(camera, photo.focal_px, (width, height), size_mm, photograph.corners_px)
+    camera, size = capture.camera, (width, height)
+    if corners is None:
+        return Rectification.of_view(View.of(camera, size))
+    return Rectification.of(camera, photo.focal_px, size, capture.sample.size_mm, corners)
