@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from precompute.acquisition.alignment import aligned
 from precompute.acquisition.calibration import Calibration, calibrated
 from precompute.acquisition.capture import Capture, read_capture
+from precompute.acquisition.chance import over_chance
 from precompute.acquisition.completion import Completed, completed
 from precompute.acquisition.flash_report import FlashReport, PhotographSeen, Shares
 from precompute.acquisition.layout import tiling_of
@@ -34,9 +35,9 @@ MOST_TEXELS = 1024
 ALIGNED_TEXELS = 128
 """Along a side, most, when tiles are aligned: a tenth of one of these is seen."""
 
-EXPLAINED = 0.3
-"""Share of the light outside the highlight that lobes have to explain; of a foil it is 0.8 or more,
-of anything else that happens to be bright somewhere a tenth."""
+OVER_CHANCE = 1.4
+"""How much better gratings have to explain what is lit than what is lit elsewhere: of a foil it is
+1.8 to 10 times as much, of anything else 0.9 to 1.1."""
 
 CHANCE = 1.05
 """Ratio of the periods that photographs show each, up to which they agree."""
@@ -101,7 +102,8 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
 
     Raises:
         InputError: The capture or a photograph cannot be used: see `read_capture` and `read_shots`;
-            no tile repeats; nothing is lit beyond the highlight; or what is lit are no lobes.
+            no tile repeats; nothing is lit beyond the highlight or stands out from noise; or what
+            is lit are no lobes.
     """
     remarks: list[str] = []
 
@@ -126,6 +128,10 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
             f"{shot.name} {factor:.3f}" for shot, factor in zip(taken.shots, apparent, strict=True)
         )
         remark(f"photographs disagree on periods, which light.position_mm may be why: {shown}")
+    better = over_chance(calibration, tiling, places)
+    if better < OVER_CHANCE:
+        found = f"light that gratings explain {better:.2f} times as well as chance"
+        raise InputError(file, "photographs", found, f"{OVER_CHANCE:g} times or more, as of a foil")
     if options.align:
         small = _at_most(size, ALIGNED_TEXELS)
         tiling = aligned(calibration, tiling, small, reference)
@@ -138,12 +144,12 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
         "Fitting gratings",
     )
     explained = float(fit.gain.sum() / max(fit.shown.sum(), 1e-30))
-    if explained < EXPLAINED:
-        found = f"{explained:.0%} of the light outside the highlights in lobes of gratings"
-        raise InputError(file, "photographs", found, f"{EXPLAINED:.0%} or more, as of a foil")
     if options.method == "thresholds":
         fit = _by_thresholds(calibration, tiling, places, fit)
     whole = completed(fit, size, calibration.noise)
+    if not whole.seen.any():
+        found = "no grating that stands out from the noise"
+        raise InputError(file, "photographs", found, "lit points of a foil")
     is_relative = not taken.shots[0].rectification.is_scaled
     report = _report(taken, calibration, tiling, whole, explained, is_relative, remarks)
     return Acquired(

@@ -1,4 +1,4 @@
-"""Flash photographs to a foil's map, as the command does it: simulated, solved, and what is refused."""
+"""Flash photographs to a foil's map by the command: what comes out, and what is refused."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import gaussian_filter
 from typer.testing import CliRunner, Result
 
+from precompute.acquisition.capture import read_capture
 from precompute.acquisition.flash_report import FlashReport
 from precompute.acquisition.image_files import read_image, write_image
-from precompute.acquisition.capture import read_capture
 from precompute.acquisition.pattern import gratings_of
 from precompute.cli import app
 from precompute.maps import Map
@@ -156,7 +157,9 @@ def test_the_map_is_one_that_the_material_can_load(solved: Path) -> None:
     assert foil.constants["tile_mm"] == (15, 15)
     assert foil.tables["grating"].values.shape == (TEXELS, TEXELS, 4)
     assert foil.tables["confidence"].values.shape == (TEXELS, TEXELS, 1)
-    assert 0 <= foil.tables["confidence"].values.min() <= foil.tables["confidence"].values.max() <= 1
+    assert (
+        0 <= foil.tables["confidence"].values.min() <= foil.tables["confidence"].values.max() <= 1
+    )
 
 
 def test_pictures_show_every_step(solved: Path) -> None:
@@ -264,10 +267,12 @@ def test_nothing_lit_but_the_highlight(capture: Path, tmp_path: Path) -> None:
     assert "photographs" in message and "lit points of a foil" in message
 
 
-def test_a_photograph_of_something_else(capture: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("grain", [0, 2, 6])
+def test_photographs_of_something_else(capture: Path, tmp_path: Path, grain: float) -> None:
     def texture(fields: dict[str, Any], folder: Path) -> None:
-        rng = np.random.default_rng(3)
-        painted(fields, folder, 1500 * rng.random((236, 283, 3)) ** 2 + 256)
+        noise = np.random.default_rng(3).standard_normal((236, 283, 3))
+        blurred = gaussian_filter(noise, (grain, grain, 0))
+        painted(fields, folder, 256 + 800 * np.exp(blurred / blurred.std()))
 
     message = refusal(changed(capture, tmp_path, texture))
-    assert "photographs" in message and "as of a foil" in message
+    assert "photographs = " in message and "of a foil" in message

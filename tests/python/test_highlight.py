@@ -1,0 +1,114 @@
+"""The lamp's mirror image in photographs that were made by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from refusals import refused
+
+from precompute.acquisition.capture import Camera
+from precompute.acquisition.highlight import Highlight, find_highlight, mirror_point
+from precompute.acquisition.observations import half_vectors
+from precompute.acquisition.rectification import Rectification
+from precompute.acquisition.view import View
+
+EYE = (40.0, -30.0, 400.0)
+LIGHT = np.array([50.0, 20.0, 200.0])
+SIZE_PX, SIZE_MM = (400, 300), (180.0, 130.0)
+DEVIATION = 0.0144
+
+
+def rectification() -> Rectification:
+    camera = Camera(position_mm=EYE, focal_px=850, distortion=(0.05, 0, 0.002, 0, 0))
+    return Rectification.of_view(View.of(camera, SIZE_PX))
+
+
+def picture(light: np.ndarray, background: float = 0.02) -> np.ndarray:
+    """Order 0: a Gaussian of (u, v), of three channels, on haze."""
+    y, x = np.mgrid[: SIZE_PX[1], : SIZE_PX[0]]
+    pixels = np.stack([x.ravel(), y.ravel()], axis=1).astype(float)
+    h, irradiance = half_vectors(rectification().on_sample(pixels), np.array(EYE), light)
+    spot = np.exp(-np.sum(h[:, :2] ** 2, axis=1) / (2 * DEVIATION**2))
+    values = irradiance * (background + 5 * spot)
+    image = values.reshape(SIZE_PX[1], SIZE_PX[0], 1) * np.array([1.0, 0.8, 0.5])
+    return image.astype(np.float32)
+
+
+def found(
+    values: np.ndarray, saturated: np.ndarray | None = None, light: np.ndarray = LIGHT
+) -> Highlight:
+    clipped = np.zeros(values.shape[:2], bool) if saturated is None else saturated
+    return find_highlight("a.tif", values, clipped, rectification(), SIZE_MM, light, DEVIATION)
+
+
+def spot(light: np.ndarray) -> np.ndarray:
+    """The mirror image in the plane z = 0 is on the line from the eye to the lamp behind it."""
+    behind, eye = light * [1, 1, -1], np.array(EYE)
+    along = eye[2] / (eye[2] - behind[2])
+    return (eye + along * (behind - eye))[:2]
+
+
+def test_the_mirror_image_is_on_the_line_to_the_lamp_behind() -> None:
+    assert mirror_point(np.array(EYE), LIGHT) == pytest.approx(spot(LIGHT))
+    h, irradiance = half_vectors(spot(LIGHT)[None], np.array(EYE), LIGHT)
+    assert h[0, :2] == pytest.approx([0, 0], abs=1e-12)
+    distance = np.linalg.norm(LIGHT - [*spot(LIGHT), 0])
+    assert irradiance[0] == pytest.approx(200 / distance * np.sum(LIGHT**2) / distance**2)
+
+
+@pytest.mark.parametrize("off", [(0.0, 0.0), (6.0, -3.0), (-9.0, 8.0)])
+def test_it_is_found_and_says_where_the_lamp_is(off: tuple[float, float]) -> None:
+    """The lamp was off where it was said to be, at the height that was said."""
+    light = LIGHT + np.array([*off, 0])
+    highlight = found(picture(light))
+    assert highlight.position == pytest.approx(spot(light), abs=0.2)
+    assert highlight.light == pytest.approx(light, abs=0.3)
+    assert highlight.offset_mm == pytest.approx(np.hypot(*off), abs=0.3)
+    pixel = rectification().pixels(spot(light)[None])[0]
+    assert highlight.pixel == pytest.approx(pixel, abs=0.4)
+
+
+def test_noise_and_a_coloured_facet_do_not_move_it() -> None:
+    values = picture(LIGHT)
+    values += np.random.default_rng(1).normal(0, 0.02, values.shape)
+    x, y = np.round(rectification().pixels(spot(LIGHT)[None] + [14.0, 0])[0]).astype(int)
+    values[y - 4 : y + 4, x - 4 : x + 4, 0] += 1  # a fifth of the highlight's brightness
+    assert found(values.astype(np.float32)).position == pytest.approx(spot(LIGHT), abs=0.2)
+
+
+def test_a_few_clipped_pixels_do_not_matter() -> None:
+    values = picture(LIGHT)
+    clipped = values[..., 0] > 0.9 * values[..., 0].max()
+    values = np.minimum(values, 0.9 * values.max(axis=(0, 1)))
+    assert clipped.sum() > 3
+    assert found(values, clipped).position == pytest.approx(spot(LIGHT), abs=0.2)
+
+
+def test_a_lamp_whose_image_is_not_on_the_sample() -> None:
+    far = np.array([300.0, 0.0, 200.0])
+    x, y = spot(far)
+    place = f"the lamp's mirror image at ({x:.1f}, {y:.1f}) mm"
+    with refused("a.tif", "light.position_mm", place, "one on the sample"):
+        found(picture(far), light=far)
+
+
+def test_darkness() -> None:
+    wanted = "the lamp's mirror image near"
+    for level in (0.0, 0.3):  # black, or as bright everywhere
+        even = np.full((SIZE_PX[1], SIZE_PX[0], 3), level, np.float32)
+        with refused("a.tif", "highlight", "nothing but darkness", wanted):
+            found(even)
+
+
+def test_nothing_that_stands_out() -> None:
+    noise = np.random.default_rng(2).uniform(0, 1, (SIZE_PX[1], SIZE_PX[0], 3))
+    with pytest.raises(ValueError, match=r"times its surroundings.*8 times or more"):
+        found(noise.astype(np.float32))
+
+
+def test_a_highlight_clipped_all_over() -> None:
+    values = picture(LIGHT)
+    clipped = values[..., 0] > 0.1 * values[..., 0].max()  # to 2.1 deviations
+    values = np.minimum(values, 0.1 * values.max(axis=(0, 1)))
+    with pytest.raises(ValueError, match=r"clipped over \d+% of its disc.*short enough"):
+        found(values, clipped)
