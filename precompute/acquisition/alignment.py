@@ -34,11 +34,15 @@ BLURS = (3.0, 1.5, 1.0)
 """Standard deviations, texels, with which a tile and its prediction are compared, one after the
 other: the first sees shifts of several texels, the last the edges."""
 
-LOOSE = 0.02
+LOOSE = 0.15
 """How much of what a well lit tile tells of its place counts against moving it."""
 
 HALF = 0.05
 """Brightness, in the brightest of what is predicted, that counts as half lit."""
+
+FAINT = 0.2
+"""Of a lobe's peak, for which a tile's brightest counts at least: one in which all is dim does not
+tell its place by what noise and haze leave in it."""
 
 OUTLIER = 0.3
 """Difference between lit and dark from which an observation counts half."""
@@ -83,22 +87,34 @@ def aligned(
 def _moved(calibration: Calibration, tiling: Tiling, fit: Fit, size: tuple[int, int]) -> Array:
     """The shifts of all tiles after a step with each blur."""
     shifts = tiling.shifts.copy()
-    for tile in tiling.tiles():
-        for blur in BLURS:
-            now = replace(tiling, shifts=shifts)
-            shifts[tile] += _step(calibration, now, fit, size, tile, blur)
+    tiles = tiling.tiles()
+    pitch = tiling.size / size
+    for blur in BLURS:
+        now = replace(tiling, shifts=shifts)
+        normal, right = (
+            np.array(part)
+            for part in zip(
+                *(_told(calibration, now, fit, size, tile, blur) for tile in tiles), strict=True
+            )
+        )
+        # Where a tile shows too little to tell, it stays as it is.
+        held = LOOSE * np.median(np.trace(normal, axis1=1, axis2=2)) / 2 + 1e-30
+        steps = np.linalg.solve(normal + held * np.eye(2), right[..., None])[..., 0]
+        limit = 2 * blur * pitch
+        for tile, step in zip(tiles, steps, strict=True):
+            shifts[tile] += step.clip(-limit, limit)
     return shifts
 
 
-def _step(
+def _told(
     calibration: Calibration,
     tiling: Tiling,
     fit: Fit,
     size: tuple[int, int],
     tile: tuple[int, int],
     blur: float,
-) -> Array:
-    """By how much more a tile is shifted, mm, shape (2,)."""
+) -> tuple[Array, Array]:
+    """What a tile tells of its shift d, mm, in normal equations: (2, 2) times d is (2,)."""
     columns, rows = size
     place = texel_places(size)
     strip = observed(calibration.shots, tiling, place, calibration.highlight, [tile])
@@ -106,9 +122,12 @@ def _step(
     trust = strip.usable & ((fit.gain > 0) & (fit.strength > 0))[:, None]
     brightest = shown.max(axis=(0, 1), initial=0)
     if not brightest.any():
-        return np.zeros(2)
+        return np.zeros((2, 2)), np.zeros(2)
     # Lobes that bumps move do not move edges: what counts is whether a texel is lit.
-    half = np.float32(HALF) * np.maximum(brightest, 1e-30)
+    model = calibration.model
+    brightest_lobes = [table.values.max(axis=(0, 1)) for table in model.tables]
+    peak = model.strength * np.max(brightest_lobes, axis=0)
+    half = np.float32(HALF) * np.maximum(brightest, np.float32(FAINT) * peak)
     shown, seen = (
         _blurred(np.where(trust[..., None], lit / (lit + half), 0), size, blur)
         for lit in (np.maximum(shown, 0), np.maximum(strip.intensity, 0))
@@ -120,12 +139,7 @@ def _step(
     down, right = np.gradient(shown, axis=(0, 1))
     left = np.stack([-right.ravel() / pitch[0], down.ravel() / pitch[1]], axis=1)
     weighted = left * weight.ravel()[:, None]
-    normal = weighted.T @ left
-    # Where a tile shows too little to tell, it stays as it is.
-    held = (LOOSE * np.trace(normal) / 2 + 1e-30) * np.eye(2)
-    step = np.linalg.solve(normal + held, weighted.T @ rest.ravel())
-    limit = 2 * blur * pitch
-    return step.clip(-limit, limit).astype(np.float64)
+    return weighted.T @ left, weighted.T @ rest.ravel()
 
 
 def _blurred(values: Array32, size: tuple[int, int], blur: float) -> Array:
