@@ -120,7 +120,7 @@ def test_orientation_and_period_are_those_that_were_planted(capture: Path, solve
     truth = gratings_of(Map.read(capture.parent / "truth" / "foil.json"))
     foil = Map.read(solved / "foil.json")
     found = gratings_of(foil)
-    seen = (foil.tables["confidence"].values[..., 0] > 0.2) & (truth.strength > 0)
+    seen = (foil.tables["confidence"].values[..., 0] > 0) & (truth.strength > 0)
     assert np.mean(seen[truth.strength > 0]) > 0.85
     off = np.mod(found.orientation - truth.orientation + np.pi / 2, np.pi) - np.pi / 2
     assert np.median(np.abs(np.degrees(off[seen]))) <= 1
