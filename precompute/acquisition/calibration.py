@@ -62,8 +62,9 @@ COMMON = 0.2
 CHANCE = 9.0
 """Squared deviations that noise reaches at the best of a hundred orientations: 2 ln 100."""
 
-MANY = 1000
-"""Observations at a distance from the highlight whose mean is little noise."""
+MANY, MOST = 1000, 0.2
+"""Observations at a distance from the highlight whose mean is little noise, and the share of what
+the commonest distance has that is enough where all have few."""
 
 FREE = 4.0
 """Largest strength, over its estimate by the mean, while it is not known: without a bound a lobe's
@@ -318,7 +319,8 @@ def _channel_weights(profile: MeanProfile, noise: list[Array32], shots: list[Sho
     ρ = np.arange(profile.mean.shape[1])[:, None] * RADIUS_STEP
     for mean, count, dark, shot in zip(profile.mean, profile.count, noise, shots, strict=True):
         # A lobe's peak is ρπ/(√2π c) times the mean over orientations.
-        brightest = np.max(np.where(count[:, None] >= MANY, ρ * mean, 0), axis=0)
+        many = min(MANY, MOST * count.max())
+        brightest = np.max(np.where(count[:, None] >= many, ρ * mean, 0), axis=0)
         peak = brightest * np.sqrt(np.pi / 2) / lobe_deviation(shot.radius, ROUGHNESS)
         error = MODEL_ERROR * np.maximum(peak, DIM * peak.max())
         weights.append(1 / np.hypot(error, dark))
