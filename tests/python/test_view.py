@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from precompute.acquisition.capture import Camera, Corners
-
-Lens = tuple[float, float, float, float, float]
 from precompute.acquisition.rectification import NORMAL_LENS, Rectification, corners_mm
 from precompute.acquisition.view import View
+
+Lens = tuple[float, float, float, float, float]
 
 SIZE_PX = (801, 601)
 SIZE_MM = (160.0, 120.0)
