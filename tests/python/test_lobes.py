@@ -17,7 +17,6 @@ from precompute.acquisition.observations import Strip
 from precompute.acquisition.periods import (
     MeanProfile,
     brightness,
-    explained,
     frequency_shares,
 )
 from precompute.gratings import Grating
@@ -161,15 +160,6 @@ def test_periods_beyond_the_sample_get_no_share() -> None:
 def test_darkness_has_no_periods() -> None:
     profile, tables, weights = mean_of({})
     assert not frequency_shares(profile, tables, weights).any()
-
-
-def test_what_is_explained() -> None:
-    profile, tables, weights = mean_of({34: 1.0})
-    shares = np.zeros(len(FREQUENCIES))
-    shares[34] = 7.0  # at any scale
-    assert explained(profile, tables, weights, shares) == pytest.approx(1, abs=1e-6)
-    shares[34], shares[60] = 0, 1
-    assert explained(profile, tables, weights, shares) < 0.5
 
 
 def test_each_photographs_brightness() -> None:
