@@ -175,12 +175,23 @@ def acquire_flash(
         Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
     ] = None,
 ) -> None:
-    """A foil's map from flash photographs: NAME.json, its images and NAME.report.json."""
+    """A foil's map from flash photographs: NAME.json, its images and NAME.report.json.
+
+    Of a foil whose gratings are strewn (sample.stochastic) NAME.json is their distribution, which
+    `diffraction design stochastic` takes.
+    """
+    from precompute.acquisition.capture import read_capture
     from precompute.acquisition.flash import FlashOptions
     from precompute.acquisition.flash import acquire_flash as acquired_from
     from precompute.acquisition.pictures import write_pictures
+    from precompute.acquisition.stochastic_report import acquire_stochastic
 
     with one_line_errors():
+        told = read_capture(capture, "flash")
+        if told.sample.stochastic:
+            way = "deconvolution" if method == "lobes" else "threshold"
+            acquire_stochastic(told, capture.parent, output, _remark, height, way)
+            return
         is_one = {"auto": None, "one": True, "many": False}[periods]
         options = FlashOptions(size, height, is_one, method, align)
         acquired = acquired_from(capture, options, _remark)

@@ -18,7 +18,6 @@ from precompute.acquisition.lobes import RADIUS_STEP, Array32, LobeTable, lobe_d
 from precompute.acquisition.observations import Shot, Strip, observed, strips
 from precompute.acquisition.periods import (
     MeanProfile,
-    apparent_frequency,
     brightness,
     frequency_shares,
 )
@@ -63,8 +62,9 @@ COMMON = 0.2
 CHANCE = 9.0
 """Squared deviations that noise reaches at the best of a hundred orientations: 2 ln 100."""
 
-MANY = 1000
-"""Observations at a distance from the highlight whose mean is little noise."""
+MANY, MOST = 1000, 0.2
+"""Observations at a distance from the highlight whose mean is little noise, and the share of what
+the commonest distance has that is enough where all have few."""
 
 FREE = 4.0
 """Largest strength, over its estimate by the mean, while it is not known: without a bound a lobe's
@@ -126,11 +126,16 @@ def calibrated(
     middle = _weighted_median(logarithm, _trust(fit))
     if is_one is None:
         is_one = _weighted_median(np.abs(logarithm - middle), _trust(fit)) < ONE_PERIOD
+    frequencies, shares = found.frequencies, found.shares
     if is_one:
         model = trial.one_period(roughness, middle)
+        logarithm = np.log(model.tables[0].frequencies)
+        frequencies = np.exp(logarithm + WIDE)
+        shares = np.ones(len(WIDE))
+    apparent = trial.apparent(roughness, frequencies, shares, logarithm)
     chance = CHANCE * max(np.max((w * dark) ** 2) for w, dark in zip(weights, noise, strict=True))
     return Calibration(
-        *(shots, model, highlight, roughness, is_one, found.apparent),
+        *(shots, model, highlight, roughness, is_one, apparent),
         noise=float(chance / peak_energy(model)),
     )
 
@@ -143,13 +148,11 @@ class _Periods:
         frequencies: Those that occur, and some around, 1/µm.
         shares: Their areas, times the strength of a point all of which diffracts.
         brightness: Of each photograph over the first.
-        apparent: Period in each photograph over that in all.
     """
 
     frequencies: Array
     shares: Array
     brightness: Array
-    apparent: Array
 
     @property
     def strength(self) -> float:
@@ -169,11 +172,10 @@ class _Periods:
         factors /= factors[0]
         tables = [table.scaled(factor) for table, factor in zip(tables, factors, strict=True)]
         shares = frequency_shares(profile, tables, weights)
-        apparent = 1 / apparent_frequency(profile, tables, weights, shares)
         # A period that few have is likelier an order mistaken for another.
         kept = np.flatnonzero(shares > RARE * shares.max())
         around = slice(max(kept[0] - 2, 0), kept[-1] + 3)
-        return _Periods(FREQUENCIES[around], shares[around], factors, apparent)
+        return _Periods(FREQUENCIES[around], shares[around], factors)
 
 
 @dataclass(frozen=True)
@@ -236,6 +238,30 @@ class _Trial:
         model, _ = self.settled(roughness, np.exp([middle]), np.ones(1))
         return model
 
+    def apparent(
+        self, roughness: float, frequencies: Array, shares: Array, logarithm: Array
+    ) -> Array:
+        """The period that each photograph alone shows of a texel, over that which all show.
+
+        Args:
+            roughness: Of the normal, rad.
+            frequencies: Among which it is looked for.
+            shares: Of them.
+            logarithm: Of each texel's frequency by all photographs, shape (n,) or (1,).
+        """
+        ratios = []
+        for number, shot in enumerate(self.shots):
+            alone = replace(
+                self,
+                shots=[shot],
+                look=[strip.of_shot(number) for strip in self.look],
+                weights=self.weights[number, None],
+                brightness=self.brightness[number, None],
+            )
+            _, fit = alone.settled(roughness, frequencies, shares)
+            ratios.append(_weighted_median(logarithm - np.log(fit.frequency), _trust(fit)))
+        return np.exp(ratios)
+
 
 def _fitted(look: list[Strip], model: Model) -> Fit:
     with ThreadPoolExecutor(cpu_count()) as pool:
@@ -293,7 +319,8 @@ def _channel_weights(profile: MeanProfile, noise: list[Array32], shots: list[Sho
     ρ = np.arange(profile.mean.shape[1])[:, None] * RADIUS_STEP
     for mean, count, dark, shot in zip(profile.mean, profile.count, noise, shots, strict=True):
         # A lobe's peak is ρπ/(√2π c) times the mean over orientations.
-        brightest = np.max(np.where(count[:, None] >= MANY, ρ * mean, 0), axis=0)
+        many = min(MANY, MOST * count.max())
+        brightest = np.max(np.where(count[:, None] >= many, ρ * mean, 0), axis=0)
         peak = brightest * np.sqrt(np.pi / 2) / lobe_deviation(shot.radius, ROUGHNESS)
         error = MODEL_ERROR * np.maximum(peak, DIM * peak.max())
         weights.append(1 / np.hypot(error, dark))

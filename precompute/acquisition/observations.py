@@ -67,6 +67,17 @@ class Strip:
     usable: NDArray[np.bool_]
     shot: NDArray[np.intp]
 
+    def of_shot(self, number: int) -> Strip:
+        """What one photograph alone shows, as its only one."""
+        here = self.shot == number
+        return Strip(
+            self.intensity[:, here],
+            self.u[:, here],
+            self.v[:, here],
+            self.usable[:, here],
+            self.shot[here] * 0,
+        )
+
 
 def half_vectors(points: Array, eye: Array, light: Array) -> tuple[Array, Array]:
     """ω_i + ω_o, shape (n, 3), and cosθ_i d0²/d² at points of the plane z = 0, shape (n, 2), mm.

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar, nnls
+from scipy.optimize import nnls
 
 from precompute.acquisition.lobes import RADIUS_MAX, RADIUS_STEP, Array32, LobeTable
 from precompute.acquisition.observations import Strip
@@ -78,31 +78,6 @@ def frequency_shares(profile: MeanProfile, tables: list[LobeTable], weights: Arr
     return shares
 
 
-def one_frequency(profile: MeanProfile, tables: list[LobeTable], weights: Array32) -> float:
-    """The one frequency that explains the mean best, between those of the tables."""
-    left, right = _equations(profile, tables, weights)
-    places = np.arange(left.shape[1])
-
-    def left_over(place: float) -> float:
-        i = min(int(place), len(places) - 2)
-        column = left[:, i] * (i + 1 - place) + left[:, i + 1] * (place - i)
-        return -float(column @ right) / max(float(np.linalg.norm(column)), 1e-30)
-
-    start = int(np.argmin([left_over(float(place)) for place in places[:-1]]))
-    bounds = (max(start - 1, 0), min(start + 1, len(places) - 1))
-    best = minimize_scalar(left_over, bounds=bounds, method="bounded").x
-    return float(np.exp(np.interp(best, places, np.log(tables[0].frequencies))))
-
-
-def explained(
-    profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
-) -> float:
-    """Which part of the squared mean is explained by shares at their best scale, 0 to 1."""
-    left, right = _equations(profile, tables, weights)
-    shown = left @ shares
-    return float((shown @ right) ** 2 / ((shown @ shown) * (right @ right)))
-
-
 def brightness(
     profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
 ) -> Array:
@@ -114,28 +89,6 @@ def brightness(
         shown = left @ shares
         factors.append((shown @ right) / (shown @ shown))
     return np.array(factors)
-
-
-def apparent_frequency(
-    profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
-) -> Array:
-    """By which factor all frequencies would suit each photograph best, shape (photographs,)."""
-    frequencies = np.log(tables[0].frequencies)
-    factors = np.linspace(-0.25, 0.25, 101)
-    best = []
-    for number in range(len(tables)):
-        part = MeanProfile(profile.mean[number, None], profile.count[number, None])
-        scores = [
-            explained(
-                part,
-                tables[number : number + 1],
-                weights[number : number + 1],
-                np.interp(frequencies - factor, frequencies, shares),
-            )
-            for factor in factors
-        ]
-        best.append(factors[int(np.argmax(scores))])
-    return np.exp(best)
 
 
 def _equations(

@@ -20,6 +20,7 @@ from precompute.acquisition.simulation import Simulation, read_simulation
 from precompute.acquisition.tiling import Tiling
 from precompute.maps import Map
 from precompute.metrics import relative_rmse
+from precompute.report.acquisition_spiral import spiral_rows
 from precompute.report.browser import ROOT
 from precompute.report.rows import Acquisition
 
@@ -29,7 +30,7 @@ CAPTURES = ROOT / "maps" / "captures"
 DESIGNS = ("polygons", "stars", "circles", "periods")
 SHIFTS_PX = (0, 1, 2, 3)
 COUNT = 4 + 6 * len(SHIFTS_PX) + 12 * len(DESIGNS)
-"""Of rows."""
+"""Of rows, but for those of the spiral, which come last."""
 
 PIXEL_MM = 0.25
 """Of flash-shifted: by how much tiles are off in pixels."""
@@ -141,6 +142,7 @@ def acquisition_rows(pictures: Path) -> Iterator[Acquisition]:
         yield from _shift_rows(work)
         for design in DESIGNS:
             yield from _design_rows(design, work, pictures)
+    yield from spiral_rows(ROOT)
 
 
 def _period_rows(work: Path) -> Iterator[Acquisition]:

@@ -132,9 +132,9 @@ def test_one_point_is_the_references_brdf_times_irradiance() -> None:
     grating = Grating(
         period=1.66, height=0.12, profile=Blazed(), coherence=12.0, roughness=np.radians(0.5)
     )
-    frame = [turned(w, -θ)[None] for w in (wi, wo)]
-    brdf = weighted_brdf(grating, *frame, weights, RADIUS, STEP)[0]
-    assert shown == pytest.approx(wi[2] * brdf, rel=1e-9)
+    wi, wo = turned(wi, -θ)[None], turned(wo, -θ)[None]
+    brdf = weighted_brdf(grating, wi, wo, weights, RADIUS, STEP)[0]
+    assert shown == pytest.approx(wi[0, 2] * brdf, rel=1e-9)
     assert shown.max() > 0.1
 
 

@@ -16,11 +16,8 @@ from precompute.acquisition.lobes import (
 from precompute.acquisition.observations import Strip
 from precompute.acquisition.periods import (
     MeanProfile,
-    apparent_frequency,
     brightness,
-    explained,
     frequency_shares,
-    one_frequency,
 )
 from precompute.gratings import Grating
 from precompute.reference import weighted_brdf
@@ -165,36 +162,11 @@ def test_darkness_has_no_periods() -> None:
     assert not frequency_shares(profile, tables, weights).any()
 
 
-def test_one_frequency_between_those_of_the_tables() -> None:
-    """A third of the way from one to the next, which is 2 %."""
-    step = np.log(FREQUENCIES[1] / FREQUENCIES[0])
-    between = FREQUENCIES * np.exp(step / 3)
-    profile, tables, weights = mean_of({34: 1.0}, frequencies=(between, between))
-    assert one_frequency(profile, tables, weights) == pytest.approx(between[34], rel=0.002)
-
-
-def test_what_is_explained() -> None:
-    profile, tables, weights = mean_of({34: 1.0})
-    shares = np.zeros(len(FREQUENCIES))
-    shares[34] = 7.0  # at any scale
-    assert explained(profile, tables, weights, shares) == pytest.approx(1, abs=1e-6)
-    shares[34], shares[60] = 0, 1
-    assert explained(profile, tables, weights, shares) < 0.5
-
-
 def test_each_photographs_brightness() -> None:
     profile, tables, weights = mean_of({34: 1.0, 50: 0.5}, factors=(1.0, 0.4, 2.5))
     shares = np.zeros(len(FREQUENCIES))
     shares[34], shares[50] = 1.0, 0.5
     assert brightness(profile, tables, weights, shares) == pytest.approx([1, 0.4, 2.5], rel=1e-5)
-
-
-def test_a_photograph_that_shows_other_periods() -> None:
-    profile, tables, weights = mean_of({34: 1.0}, frequencies=(FREQUENCIES, 1.1 * FREQUENCIES))
-    shares = np.zeros(len(FREQUENCIES))
-    shares[34] = 1.0
-    found = apparent_frequency(profile, tables, weights, shares)
-    assert found == pytest.approx([1, 1.1], rel=0.01)
 
 
 def test_means_are_of_usable_observations_of_each_photograph() -> None:

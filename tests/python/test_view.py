@@ -9,6 +9,8 @@ from precompute.acquisition.capture import Camera, Corners
 from precompute.acquisition.rectification import NORMAL_LENS, Rectification, corners_mm
 from precompute.acquisition.view import View
 
+Lens = tuple[float, float, float, float, float]
+
 SIZE_PX = (801, 601)
 SIZE_MM = (160.0, 120.0)
 LENS = (0.08, -0.05, 0.004, -0.006, 0.02)
@@ -118,7 +120,9 @@ def test_distortion_is_opencvs() -> None:
 
 
 @pytest.mark.parametrize("distortion", [(0, 0, 0, 0, 0), LENS])
-def test_pixels_lead_back_to_the_sample(distortion: tuple[float, ...]) -> None:
+def test_pixels_lead_back_to_the_sample(
+    distortion: Lens,
+) -> None:
     of = camera(position_mm=(60, -40, 450), rotation_deg=(5, 8, -12), distortion=distortion)
     view, xy = View.of(of, SIZE_PX), grid_mm()
     assert view.on_sample(view.pixels(flat(xy))) == pytest.approx(xy, abs=1e-5)
@@ -144,7 +148,9 @@ TILTED = {"position_mm": (120, -150, 450), "rotation_deg": (20, 14, -9)}
 
 
 @pytest.mark.parametrize("distortion", [(0, 0, 0, 0, 0), LENS])
-def test_corners_alone_place_all_of_the_sample(distortion: tuple[float, ...]) -> None:
+def test_corners_alone_place_all_of_the_sample(
+    distortion: Lens,
+) -> None:
     of = camera(**TILTED, distortion=distortion)
     found = from_corners(of, Camera(distortion=distortion), 2000)
     xy = grid_mm()
@@ -157,7 +163,9 @@ def test_corners_alone_place_all_of_the_sample(distortion: tuple[float, ...]) ->
 
 
 @pytest.mark.parametrize("distortion", [(0, 0, 0, 0, 0), LENS])
-def test_the_eye_from_corners_and_the_focal_length(distortion: tuple[float, ...]) -> None:
+def test_the_eye_from_corners_and_the_focal_length(
+    distortion: Lens,
+) -> None:
     of = camera(**TILTED, distortion=distortion)
     found = from_corners(of, Camera(distortion=distortion), 2000)
     assert found.eye == pytest.approx(TILTED["position_mm"], abs=0.05)
