@@ -304,7 +304,9 @@ def weighted_brdf(
             np.repeat(WAVELENGTHS[some], len(wi)),
             angular_radius,
         )
-        result += step * WAVELENGTH_STEP * f.reshape(pairs).T @ weights[some]
+        # One after the other: the sum does not depend on how many are evaluated at once.
+        for values, weight in zip(f.reshape(pairs), weights[some], strict=True):
+            result += step * WAVELENGTH_STEP * values[:, None] * weight
     return result
 
 
