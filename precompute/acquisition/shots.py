@@ -23,6 +23,10 @@ ROUGHNESS = float(np.radians(0.2))
 """Of the foil's normal, rad, until it is known."""
 
 
+FAR_MM = 5.0
+"""Between where the lamp is and where it was said to be: more than a ruler's error."""
+
+
 @dataclass(frozen=True)
 class Taken:
     """What was made of a capture's photographs.
@@ -80,6 +84,11 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
         except InputError as error:
             taken.left_out[photo.name] = error
             continue
+        if highlight.offset_mm > FAR_MM:
+            say(
+                f"{photo.name}: by its mirror image the lamp is {highlight.offset_mm:.1f} mm from "
+                "light.position_mm, or something else was taken for it"
+            )
         shot = Shot(
             photo.name,
             photo.values,

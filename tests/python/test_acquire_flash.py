@@ -214,10 +214,25 @@ def test_a_lamp_at_another_height_disagrees_with_the_others(capture: Path, tmp_p
     result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
     assert result.exit_code == 0
     report = FlashReport.model_validate_json((tmp_path / "foil.report.json").read_text())
-    assert any("light.position_mm" in remark for remark in report.remarks)
+    assert any("photographs disagree on periods" in remark for remark in report.remarks)
     first, second, wrong = (photograph.period_over_all for photograph in report.photographs)
     assert wrong < 0.95 * min(first, second)
     assert "light.position_mm" in result.stderr
+
+
+def test_a_lamp_that_was_measured_badly_is_put_right_and_said(
+    capture: Path, tmp_path: Path
+) -> None:
+    def moved(fields: dict[str, Any], folder: Path) -> None:
+        fields["photographs"][0]["light"]["position_mm"][0] += 8
+
+    file = changed(capture, tmp_path, moved)
+    result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
+    assert result.exit_code == 0
+    report = FlashReport.model_validate_json((tmp_path / "foil.report.json").read_text())
+    assert len(report.remarks) == 1 and "mm from light.position_mm" in report.remarks[0]
+    assert report.photographs[0].light_off_mm == pytest.approx(8, abs=0.3)
+    assert report.photographs[0].light_mm == pytest.approx(LIGHTS[0], abs=0.3)
 
 
 # ---- Bad input -----------------------------------------------------------------------------------
