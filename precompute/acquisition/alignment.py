@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from precompute.acquisition.calibration import Calibration
-from precompute.acquisition.lobe_fit import Fit, fit_texels, predicted
+from precompute.acquisition.lobe_fit import Fit, predicted
 from precompute.acquisition.lobes import Array32
 from precompute.acquisition.observations import observed, texel_places
 from precompute.acquisition.tiling import Tiling
@@ -67,14 +67,7 @@ def aligned(
     """
     places = texel_places(size)
     for round_ in range(ROUNDS):
-        fit = fit_texels(
-            calibration.shots,
-            tiling,
-            places,
-            calibration.highlight,
-            calibration.model,
-            f"Alignment {round_}",
-        )
+        fit = calibration.fit(tiling, places, f"Alignment {round_}")
         shifts = tiling.shifts + LONGER * (_moved(calibration, tiling, fit, size) - tiling.shifts)
         shifts -= shifts[reference]
         change = np.abs(shifts - tiling.shifts) / (tiling.size / size)

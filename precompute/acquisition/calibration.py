@@ -13,7 +13,7 @@ from os import cpu_count
 import numpy as np
 from numpy.typing import NDArray
 
-from precompute.acquisition.lobe_fit import Fit, Model, fit_strip, peak_energy
+from precompute.acquisition.lobe_fit import Fit, Model, fit_strip, fit_texels, peak_energy
 from precompute.acquisition.lobes import RADIUS_STEP, Array32, LobeTable, lobe_deviation
 from precompute.acquisition.observations import Shot, Strip, observed, strips
 from precompute.acquisition.periods import (
@@ -92,6 +92,16 @@ class Calibration:
     is_one_period: bool
     apparent: Array
     noise: float
+
+    def fit(self, tiling: Tiling, places: Array, name: str) -> Fit:
+        """Fit a grating to each of many texels (`fit_texels`).
+
+        Args:
+            tiling: Where the tiles are.
+            places: Of the texels in a tile, shape (n, 2).
+            name: What the progress bar says.
+        """
+        return fit_texels(self.shots, tiling, places, self.highlight, self.model, name)
 
 
 def calibrated(

@@ -17,7 +17,7 @@ from precompute.acquisition.chance import over_chance
 from precompute.acquisition.completion import Completed, completed
 from precompute.acquisition.flash_report import FlashReport, PhotographSeen, Shares
 from precompute.acquisition.layout import tiling_of
-from precompute.acquisition.lobe_fit import Fit, fit_texels
+from precompute.acquisition.lobe_fit import Fit
 from precompute.acquisition.observations import Shot, observed, strips, texel_places
 from precompute.acquisition.shots import Taken, read_shots
 from precompute.acquisition.thresholds import brightest
@@ -135,14 +135,7 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
     if options.align:
         small = _at_most(size, ALIGNED_TEXELS)
         tiling = aligned(calibration, tiling, small, reference)
-    fit = fit_texels(
-        calibration.shots,
-        tiling,
-        places,
-        calibration.highlight,
-        calibration.model,
-        "Fitting gratings",
-    )
+    fit = calibration.fit(tiling, places, "Fitting gratings")
     explained = float(fit.gain.sum() / max(fit.shown.sum(), 1e-30))
     if options.method == "thresholds":
         fit = _by_thresholds(calibration, tiling, places, fit)
