@@ -23,6 +23,11 @@ DOUBT = 0.2
 """Margin below which another orientation would do nearly as well."""
 
 
+WHOLE = 0.6
+"""Strength, over what most texels have, from which all of a texel diffracts: bumps and tiles that
+are not quite in place dim one by as much."""
+
+
 @dataclass(frozen=True)
 class Completed:
     """A map with nothing left open, arrays of shape (rows, columns).
@@ -65,7 +70,7 @@ def completed(fit: Fit, size: tuple[int, int], noise: float) -> Completed:
     dark = ~lit & (parts["least"] > threshold)
     hidden = ~lit & ~dark
     common = float(np.median(parts["frequency"][lit])) if lit.any() else 1.0
-    strength = np.where(lit, np.clip(parts["strength"], 0, 1), hidden)
+    strength = np.where(lit, np.clip(parts["strength"] / WHOLE, 0, 1), hidden)
     return Completed(
         Gratings(
             np.where(hidden, parts["least_seen"], parts["orientation"]),

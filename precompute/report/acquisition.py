@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from precompute.acquisition.flash import Acquired, FlashOptions, acquire_flash
-from precompute.acquisition.observations import texel_places
+from precompute.acquisition.observations import half_vectors, texel_places
 from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
 from precompute.acquisition.pictures import rendering, sample_grid
 from precompute.acquisition.simulate import simulated
@@ -210,6 +210,8 @@ def _quantiles(
 def round_trip(truth: Map, acquired: Acquired, file: Path) -> float:
     """Relative RMSE of the map against the truth under a light that was not photographed.
 
+    Outside the highlight, which is ten times as bright as all else and tells nothing of gratings.
+
     Both are evaluated by the reference on a grid over the sample, their tiles in their places. The
     lamp's power being unknown, the map is given the exposure at which it errs least.
 
@@ -227,7 +229,9 @@ def round_trip(truth: Map, acquired: Acquired, file: Path) -> float:
         for foil in (truth, acquired.foil)
     ]
     true, found = both
-    found *= np.sum(true * found) / np.sum(found**2)
+    h, _ = half_vectors(points, shot.rectification.eye, shot.light)
+    outside = np.hypot(h[:, 0], h[:, 1]) > acquired.calibration.highlight
+    found *= np.sum(true[outside] * found[outside]) / np.sum(found[outside] ** 2)
     white = np.percentile(true, 99)
     panels = [np.clip(part.reshape(*shape, -1) / white, 0, 1) ** (1 / 2.2) for part in both]
     gap = np.ones((shape[0], 4, panels[0].shape[2]))
@@ -235,7 +239,7 @@ def round_trip(truth: Map, acquired: Acquired, file: Path) -> float:
     if joined.shape[2] == 1:
         joined = np.repeat(joined, 3, axis=2)
     Image.fromarray(np.round(255 * joined).astype(np.uint8)).save(file, optimize=True)
-    return relative_rmse(found, true)
+    return relative_rmse(found[outside], true[outside])
 
 
 def _recipe(name: str) -> tuple[Simulation, Path]:
