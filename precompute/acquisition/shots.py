@@ -35,13 +35,11 @@ class Taken:
         shots: Those that can be used.
         highlights: Of each.
         left_out: Why others cannot, by name.
-        noise: Standard deviation of each shot's values in the dark.
     """
 
     shots: list[Shot]
     highlights: list[Highlight]
     left_out: dict[str, InputError]
-    noise: list[float]
 
 
 def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Taken:
@@ -61,7 +59,7 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
     response = sensitivity(capture.camera, folder)
     if capture.camera.spectral_response_csv is None:
         say("camera.spectral_response_csv is not given: a typical sensor's is taken")
-    taken = Taken([], [], {}, [])
+    taken = Taken([], [], {})
     photos = list(read_photographs(capture, folder))
     found = _found_corners(capture, photos, say)
     for photograph, photo in zip(capture.photographs, photos, strict=True):
@@ -101,7 +99,6 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
         )
         taken.shots.append(shot)
         taken.highlights.append(highlight)
-        taken.noise.append(photo.noise)
     if not taken.shots:
         raise next(iter(taken.left_out.values()))
     return taken

@@ -39,7 +39,8 @@ class Surface(_Part):
         roughness_deg: Standard deviation of the normal within a point.
         bumps_deg: Standard deviation of the normal from point to point, along each axis.
         bump_mm: How far apart points are whose normals differ, a Gaussian's standard deviation.
-        shift_mm: By how much each tile is off its place, in a direction of its own.
+        shift_mm: By how much each tile is off its place, in a direction of its own; all are then
+            counted from the reference tile, so that others are off by up to twice as much.
         warp_mm: Standard deviation of a smooth displacement of the pattern.
         haze: Albedo of what the plastic scatters.
         table: Albedo of what the sheet lies on.
