@@ -19,7 +19,7 @@ from precompute.acquisition.flash_report import FlashReport, PhotographSeen, Sha
 from precompute.acquisition.layout import tiling_of
 from precompute.acquisition.lobe_fit import Fit
 from precompute.acquisition.observations import Shot, observed, strips, texel_places
-from precompute.acquisition.shots import Taken, read_shots
+from precompute.acquisition.shots import Taken, about_all, read_shots
 from precompute.acquisition.thresholds import brightest
 from precompute.acquisition.tiling import Tiling
 from precompute.errors import InputError
@@ -92,13 +92,19 @@ class Acquired:
     report: FlashReport
 
 
-def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None]) -> Acquired:
+def acquire_flash(
+    file: Path,
+    options: FlashOptions,
+    say: Callable[[str], None],
+    draw: Callable[[InputError], InputError] = lambda error: error,
+) -> Acquired:
     """Solve a capture.
 
     Args:
         file: The capture file.
         options: How.
         say: Takes remarks as they arise.
+        draw: See `read_shots`.
 
     Raises:
         InputError: The capture or a photograph cannot be used: see `read_capture` and `read_shots`;
@@ -112,16 +118,22 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
         say(text)
 
     capture = read_capture(file, "flash")
-    taken = read_shots(capture, file.parent, remark)
-    for error in taken.left_out.values():
-        remark(f"left out: {error}")
-    tiling, reference = tiling_of(capture, taken.shots, str(file), remark)
+    taken = read_shots(capture, file.parent, remark, draw)
+
+    def refusal(found: str, wanted: str) -> InputError:
+        error = InputError(file, "photographs", found, wanted)
+        return about_all(error, taken, capture.sample.size_mm)
+
+    try:
+        tiling, reference = tiling_of(capture, taken.shots, str(file), remark)
+    except InputError as error:
+        raise about_all(error, taken, capture.sample.size_mm) from error
     size = options.size or _resolution(taken.shots[0], tiling)
     places = texel_places(size)
     calibration = calibrated(taken.shots, tiling, places, options.height, options.is_one_period)
     if calibration is None:
         found = "darkness outside the highlights"
-        raise InputError(file, "photographs", found, "lit points of a foil")
+        raise refusal(found, "lit points of a foil")
     apparent = calibration.apparent
     if apparent.max() > CHANCE * apparent.min():
         shown = ", ".join(
@@ -131,7 +143,7 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
     better = over_chance(calibration, tiling, places)
     if better < OVER_CHANCE:
         found = f"light that gratings explain {better:.2f} times as well as chance"
-        raise InputError(file, "photographs", found, f"{OVER_CHANCE:g} times or more, as of a foil")
+        raise refusal(found, f"{OVER_CHANCE:g} times or more, as of a foil")
     if options.align:
         small = _at_most(size, ALIGNED_TEXELS)
         tiling = aligned(calibration, tiling, small, reference)
@@ -142,7 +154,7 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
     whole = completed(fit, size, calibration.noise)
     if not whole.seen.any():
         found = "no grating that stands out from the noise"
-        raise InputError(file, "photographs", found, "lit points of a foil")
+        raise refusal(found, "lit points of a foil")
     is_relative = not taken.shots[0].rectification.is_scaled
     report = _report(taken, calibration, tiling, whole, explained, is_relative, remarks)
     return Acquired(

@@ -8,6 +8,7 @@ from refusals import refused
 
 from precompute.acquisition.capture import Camera
 from precompute.acquisition.highlight import Highlight, find_highlight, mirror_point
+from precompute.acquisition.lamp_colour import LampColour
 from precompute.acquisition.observations import half_vectors
 from precompute.acquisition.rectification import Rectification
 from precompute.acquisition.view import View
@@ -35,10 +36,15 @@ def picture(light: np.ndarray, background: float = 0.02) -> np.ndarray:
 
 
 def found(
-    values: np.ndarray, saturated: np.ndarray | None = None, light: np.ndarray = LIGHT
+    values: np.ndarray,
+    saturated: np.ndarray | None = None,
+    light: np.ndarray = LIGHT,
+    colour: LampColour | None = None,
 ) -> Highlight:
     clipped = np.zeros(values.shape[:2], bool) if saturated is None else saturated
-    return find_highlight("a.tif", values, clipped, rectification(), SIZE_MM, light, DEVIATION)
+    return find_highlight(
+        "a.tif", values, clipped, rectification(), SIZE_MM, light, DEVIATION, colour
+    )
 
 
 def spot(light: np.ndarray) -> np.ndarray:
