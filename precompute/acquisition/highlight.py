@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,8 +89,8 @@ def find_highlight(
 ) -> Highlight:
     """Find the mirror image of a lamp near where it should be.
 
-    Of the bright spots it is the brightest that stands out, is not clipped and has the lamp's
-    colour; without knowing that, only the brightest is looked at, and less far away.
+    Of the bright spots it is the brightest that stands out and has the lamp's colour; without
+    knowing that, only the brightest is looked at, and less far away.
 
     Args:
         name: The photograph's, for errors.
@@ -121,88 +121,114 @@ def find_highlight(
             Mark(
                 "the same, if the lamp is a little elsewhere", rectification.pixels(square), False
             ),
-            *(Mark(found, rectification.pixels(s.position + circle), True) for s in spots),
+            *(
+                Mark(
+                    f"a bright spot at {_mm(s.position)}",
+                    rectification.pixels(s.position + circle),
+                    True,
+                )
+                for s in spots
+            ),
         ]
         return PhotographError(
             InputError(name, field, found, wanted), Evidence.of(name, values, *marks)
         )
 
+    black = np.zeros(values.shape[2])
+    sampler = _Sampler(values, saturated, rectification, size_mm, black)
     if np.any(np.abs(expected) > np.array(size_mm) / 2):
+        grid = _grid(max(size_mm) / 2 / mm) * mm
+        brightness = sampler.at(grid)[0].sum(axis=1)
+        spots = [
+            _spot(grid[place], sampler, width, mm, None)
+            for place in _brightest(brightness, deviation, 1)
+        ]
         found = f"the lamp's mirror image at {_mm(expected)}"
-        raise refusal("light.position_mm", found, "one on the sample")
-    sampler = _Sampler(values, saturated, rectification, size_mm)
+        raise refusal("light.position_mm", found, "one on the sample", *spots)
     grid = _grid(search) * mm
-    seen, clipped = sampler(expected + grid)
+    sampler = sampler.above_darkest_tenth(expected + grid)
+    seen, _, clipped = sampler.at(expected + grid)
+    brightness = np.maximum(seen.sum(axis=1), 0)
     near = f"the lamp's mirror image near {_mm(expected)}"
-    if not seen.any():
+    if not brightness.any():
         found = "darkness" if clipped.any() else "nothing but darkness"
         raise refusal("highlight", found, near)
     spots: list[Spot] = []
-    for place in _brightest(seen.sum(axis=1), deviation, 1 if colour is None else SPOTS):
-        spot = _spot(expected + grid[place], sampler, width, mm, colour)
-        spots.append(spot)
-        if spot.is_lamps and spot.clipped <= CLIPPED and spot.concentration >= STANDS_OUT:
-            place = spot.position
-            lamp = np.append(place - light[2] / eye[2] * (eye[:2] - place), light[2])
-            pixel = rectification.pixels(place[None])[0]
-            return Highlight(place, pixel, lamp, float(np.linalg.norm(lamp - light)))
-    spot = next((spot for spot in spots if spot.is_lamps and spot.clipped > CLIPPED), spots[0])
+    for place in _brightest(brightness, deviation, 1 if colour is None else SPOTS):
+        spots.append(_spot(expected + grid[place], sampler, width, mm, colour))
+        spot = spots[-1]
+        if spot.is_lamps and (spot.clipped > CLIPPED or spot.concentration >= STANDS_OUT):
+            break
+    else:
+        spot = spots[0]
+    at = _mm(spot.position)
     if not spot.is_lamps:
-        found = f"a spot at {_mm(spot.position)} of another colour than the lamp's"
+        found = f"a spot at {at} of another colour than the lamp's"
         raise refusal("highlight", found, near, spot)
     if spot.clipped > CLIPPED:
-        found = f"clipped over {spot.clipped:.0%} of its disc at {_mm(spot.position)}"
+        found = f"clipped over {spot.clipped:.0%} of its disc at {at}"
         raise refusal("highlight", found, "an exposure short enough not to clip it", spot)
-    found = (
-        f"a spot at {_mm(spot.position)} that is {spot.concentration:.1f} times its surroundings"
-    )
-    raise refusal("highlight", found, f"{near}, {STANDS_OUT:g} times or more", spot)
+    if spot.concentration < STANDS_OUT:
+        found = f"a spot at {at} that is {spot.concentration:.1f} times its surroundings"
+        raise refusal("highlight", found, f"{near}, {STANDS_OUT:g} times or more", spot)
+    lamp = np.append(spot.position - light[2] / eye[2] * (eye[:2] - spot.position), light[2])
+    pixel = rectification.pixels(spot.position[None])[0]
+    return Highlight(spot.position, pixel, lamp, float(np.linalg.norm(lamp - light)))
 
 
+@dataclass(frozen=True)
 class _Sampler:
-    """A photograph's light above the darkest tenth of what it is first asked for."""
+    """A photograph's light at points of the sample.
 
-    def __init__(
-        self,
-        values: NDArray[np.float32],
-        saturated: NDArray[np.bool_],
-        rectification: Rectification,
-        size_mm: tuple[float, float],
-    ) -> None:
-        self.values = values
-        self.saturated = saturated
-        self.rectification = rectification
-        self.size_mm = size_mm
-        self.floor: Array | None = None
+    Attributes:
+        values: Linear, shape (height, width, channels).
+        saturated: Where it is clipped, shape (height, width).
+        rectification: Of the sample's plane.
+        size_mm: Of the sample.
+        floor: What counts as no light, shape (channels,).
+    """
 
-    def __call__(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Channels at points, mm, shape (n, 2), 0 off the sample; and where they are clipped."""
+    values: NDArray[np.float32]
+    saturated: NDArray[np.bool_]
+    rectification: Rectification
+    size_mm: tuple[float, float]
+    floor: Array
+
+    def above_darkest_tenth(self, points: Array) -> _Sampler:
+        """The same, no light being what points show a tenth of which show less."""
+        light, inside, _ = self.at(points)
+        light = light[inside]
+        tenth = len(light) // 10
+        about = np.argsort(light.sum(axis=1))[tenth // 2 : tenth + tenth // 2 + 1]
+        return replace(self, floor=light[about].mean(axis=0)) if inside.any() else self
+
+    def at(self, points: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Light at points, mm, shape (n, 2).
+
+        Returns:
+            Channels, 0 off the sample, shape (n, channels); which points are on it; which of them
+            are clipped.
+        """
         height, width = self.saturated.shape
         column, row = np.round(self.rectification.pixels(points)).astype(np.intp).T
         inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
         inside &= np.all(np.abs(points) <= np.array(self.size_mm) / 2, axis=1)
         column, row = column.clip(0, width - 1), row.clip(0, height - 1)
-        seen = np.where(inside[:, None], self.values[row, column].astype(np.float64), np.nan)
-        if self.floor is None:
-            self.floor = np.nanpercentile(seen, 10, axis=0) if inside.any() else np.zeros(1)
-        light = np.nan_to_num(np.maximum(seen - self.floor, 0))
-        return light, inside & self.saturated[row, column]
+        light = np.where(inside[:, None], self.values[row, column] - self.floor, 0)
+        return light, inside, inside & self.saturated[row, column]
 
 
 def _spot(
     position: Array, sampler: _Sampler, width: float, mm: float, colour: LampColour | None
 ) -> Spot:
     """The spot near a position: its standard deviation is `width`, in mm."""
+    around = _grid(SEARCH) * mm
     for _ in range(3):  # the spot's middle may be off the window in which its slope was seen
-        points = position + _grid(SEARCH) * mm
-        seen, clipped = sampler(points)
-        brightness = seen.sum(axis=1)
-        for _ in range(
-            5
-        ):  # mean shift: the middle of the light that a window about it lets through
-            window = np.exp(-np.sum((points - position) ** 2, axis=1) / (2 * (2 * width) ** 2))
-            position = (window * brightness) @ points / (window @ brightness)
-    squared = np.sum((points - position) ** 2, axis=1)
+        position = _middle(position, position + around, sampler, width)
+    points = position + around
+    seen, _, clipped = sampler.at(points)
+    brightness = np.maximum(seen.sum(axis=1), 0)
+    squared = np.sum(around**2, axis=1)
     disc = squared < (2 * width) ** 2
     concentration = brightness[disc].mean() / brightness.mean()
     is_lamps = True
@@ -210,6 +236,15 @@ def _spot(
         # What is clipped has lost some of its colour.
         is_lamps = colour.shows(seen[(squared < (RIM * width) ** 2) & ~clipped].sum(axis=0))
     return Spot(position, float(np.mean(clipped[disc])), float(concentration), is_lamps)
+
+
+def _middle(position: Array, points: Array, sampler: _Sampler, width: float) -> Array:
+    """The middle of the light about a position: mean shift, by a window of twice its width."""
+    brightness = np.maximum(sampler.at(points)[0].sum(axis=1), 0)
+    for _ in range(5):
+        window = np.exp(-np.sum((points - position) ** 2, axis=1) / (2 * (2 * width) ** 2))
+        position = (window * brightness) @ points / (window @ brightness)
+    return position
 
 
 def _brightest(brightness: Array, deviation: float, count: int) -> NDArray[np.intp]:
@@ -225,7 +260,8 @@ def _grid(reach: float) -> Array:
     """Points of a square about the origin, row by row, shape (n², 2), the middle one 0."""
     half = round(reach / PITCH)
     steps = np.arange(-half, half + 1) * PITCH
-    return np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    x, y = np.meshgrid(steps, steps)
+    return np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
 
 
 def _mm(point: Array) -> str:

@@ -15,11 +15,11 @@ from precompute.files import written_aside
 DOTS = 100
 """Dots per inch."""
 
-ABOUT = 1.6
+ABOUT = 1.3
 """Inches above and below a photograph for what is said of it."""
 
-BEYOND = 0.5
-"""How far beyond a photograph marks are shown, in photographs."""
+BEYOND = 1.0
+"""How far beyond a photograph points are shown, in photographs: those further out at its border."""
 
 
 def drawn(error: InputError, folder: Path, prefix: str) -> InputError:
@@ -49,31 +49,36 @@ def _draw(evidence: Evidence, file: Path, text: str) -> None:
         file: A PNG; its folder is made if missing.
         text: What the error says, put above it.
     """
-    width, height = evidence.size
-    corners = np.array([(0, 0), (width - 1, height - 1)])
-    looked_for = [mark.pixels for mark in evidence.marks if not mark.is_found]
-    reach = np.clip(
-        np.concatenate([corners, *looked_for]),
-        -BEYOND * corners[1],
-        (1 + BEYOND) * corners[1],
-    )
-    low, high = reach.min(axis=0) - 0.5, reach.max(axis=0) + 0.5
+    size = np.array(evidence.size)
+    places = [mark.pixels.clip(-BEYOND * size, (1 + BEYOND) * size) for mark in evidence.marks]
+    points = [place for place in places if len(place) == 1]
+    reach = np.concatenate([np.array([(0, 0), evidence.size]) - 0.5, *points])
+    low, high = reach.min(axis=0), reach.max(axis=0)
     inches = (high - low) * LARGEST / (high - low).max() / DOTS
     figure = Figure((max(inches[0], 6), inches[1] + ABOUT), DOTS, layout="constrained")
     axes = figure.subplots()
     axes.set_facecolor("#555")
-    axes.imshow(evidence.shown, extent=(-0.5, width - 0.5, height - 0.5, -0.5))
-    for mark in evidence.marks:
-        x, y = np.concatenate([mark.pixels, mark.pixels[:1]]).T
+    axes.imshow(evidence.shown, extent=(-0.5, size[0] - 0.5, size[1] - 0.5, -0.5))
+    for mark, place in zip(evidence.marks, places, strict=True):
+        x, y = np.concatenate([place, place[:1]]).T
         colour, line = ("orangered", "-") if mark.is_found else ("cyan", "--")
         said = f"{'found' if mark.is_found else 'looked for'}: {mark.label}"
         if len(mark.pixels) == 1:
             sign = "x" if mark.is_found else "+"
-            axes.plot(x, y, sign, color=colour, markersize=14, markeredgewidth=2, label=said)
+            axes.plot(
+                x,
+                y,
+                sign,
+                color=colour,
+                clip_on=False,
+                markersize=14,
+                markeredgewidth=2,
+                label=said,
+            )
         else:
             axes.plot(x, y, line, color=colour, linewidth=1.6, label=said)
     axes.set(xlim=(low[0], high[0]), ylim=(high[1], low[1]), xlabel="px", ylabel="px")
-    axes.set_title(textwrap.fill(text, round(inches[0] * 12)), fontsize=9)
+    axes.set_title(textwrap.fill(text, round(max(inches[0], 6) * 12)), fontsize=9)
     if evidence.marks:
         figure.legend(loc="outside lower center", ncols=2, fontsize=8, facecolor="#888")
     with written_aside(file) as aside:
