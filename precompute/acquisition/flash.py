@@ -152,7 +152,7 @@ def acquire_flash(
     if options.method == "thresholds":
         fit = _by_thresholds(calibration, tiling, places, fit)
     whole = completed(fit, size, calibration.noise)
-    if not whole.seen.any():
+    if not whole.seen.any() or not fit.shown.any():
         found = "no grating that stands out from the noise"
         raise refusal(found, "lit points of a foil")
     is_relative = not taken.shots[0].rectification.is_scaled
