@@ -140,11 +140,12 @@ def find_highlight(
         grid = _grid(max(size_mm) / 2 / mm) * mm
         brightness = sampler.at(grid)[0].sum(axis=1)
         spots = [
-            _spot(grid[place], sampler, width, mm, None)
-            for place in _brightest(brightness, deviation, 1)
+            _spot(grid[place], sampler, width, mm, colour)
+            for place in _brightest(brightness, deviation, SPOTS)
         ]
+        spots.sort(key=lambda spot: not spot.is_lamps)
         found = f"the lamp's mirror image at {_mm(expected)}"
-        raise refusal("light.position_mm", found, "one on the sample", *spots)
+        raise refusal("light.position_mm", found, "one on the sample", *spots[:1])
     grid = _grid(search) * mm
     sampler = sampler.above_darkest_tenth(expected + grid)
     seen, _, clipped = sampler.at(expected + grid)
@@ -222,13 +223,13 @@ def _spot(
     position: Array, sampler: _Sampler, width: float, mm: float, colour: LampColour | None
 ) -> Spot:
     """The spot near a position: its standard deviation is `width`, in mm."""
-    around = _grid(SEARCH) * mm
-    for _ in range(3):  # the spot's middle may be off the window in which its slope was seen
-        position = _middle(position, position + around, sampler, width)
-    points = position + around
+    points = position + _grid(SEARCH) * mm
     seen, _, clipped = sampler.at(points)
     brightness = np.maximum(seen.sum(axis=1), 0)
-    squared = np.sum(around**2, axis=1)
+    for _ in range(10):  # mean shift: the middle of the light that a window about it lets through
+        window = np.exp(-np.sum((points - position) ** 2, axis=1) / (2 * (2 * width) ** 2))
+        position = (window * brightness) @ points / (window @ brightness)
+    squared = np.sum((points - position) ** 2, axis=1)
     disc = squared < (2 * width) ** 2
     concentration = brightness[disc].mean() / brightness.mean()
     is_lamps = True
@@ -236,15 +237,6 @@ def _spot(
         # What is clipped has lost some of its colour.
         is_lamps = colour.shows(seen[(squared < (RIM * width) ** 2) & ~clipped].sum(axis=0))
     return Spot(position, float(np.mean(clipped[disc])), float(concentration), is_lamps)
-
-
-def _middle(position: Array, points: Array, sampler: _Sampler, width: float) -> Array:
-    """The middle of the light about a position: mean shift, by a window of twice its width."""
-    brightness = np.maximum(sampler.at(points)[0].sum(axis=1), 0)
-    for _ in range(5):
-        window = np.exp(-np.sum((points - position) ** 2, axis=1) / (2 * (2 * width) ** 2))
-        position = (window * brightness) @ points / (window @ brightness)
-    return position
 
 
 def _brightest(brightness: Array, deviation: float, count: int) -> NDArray[np.intp]:

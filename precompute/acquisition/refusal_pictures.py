@@ -19,7 +19,7 @@ ABOUT = 1.3
 """Inches above and below a photograph for what is said of it."""
 
 BEYOND = 1.0
-"""How far beyond a photograph points are shown, in photographs: those further out at its border."""
+"""How far beyond a photograph marks are shown, in photographs; what is further out is moved there."""
 
 
 def drawn(error: InputError, folder: Path, prefix: str) -> InputError:
@@ -51,8 +51,7 @@ def _draw(evidence: Evidence, file: Path, text: str) -> None:
     """
     size = np.array(evidence.size)
     places = [mark.pixels.clip(-BEYOND * size, (1 + BEYOND) * size) for mark in evidence.marks]
-    points = [place for place in places if len(place) == 1]
-    reach = np.concatenate([np.array([(0, 0), evidence.size]) - 0.5, *points])
+    reach = np.concatenate([np.array([(0, 0), evidence.size]) - 0.5, *places])
     low, high = reach.min(axis=0), reach.max(axis=0)
     inches = (high - low) * LARGEST / (high - low).max() / DOTS
     figure = Figure((max(inches[0], 6), inches[1] + ABOUT), DOTS, layout="constrained")

@@ -205,6 +205,15 @@ def test_a_clipped_highlight_beside_a_facet_that_is_not() -> None:
         found(values, clipped, colour=lamp_colour())
 
 
+def test_what_is_clipped_has_no_colour() -> None:
+    """Two channels are, so that the spot is blue but for its rim."""
+    values = coloured(LIGHT)
+    limit = 0.05 * values.max(axis=(0, 1)) * [1, 1, 100]
+    clipped = np.any(values > limit, axis=2)
+    with pytest.raises(ValueError, match=r"clipped over \d+% of its disc.*short enough"):
+        found(np.minimum(values, limit).astype(np.float32), clipped, colour=lamp_colour())
+
+
 def test_the_picture_shows_what_was_looked_for_and_what_was_found() -> None:
     values = 0.001 * coloured(LIGHT)
     place = spot(LIGHT) + np.array([8.0, -4.0])
@@ -222,9 +231,10 @@ def test_the_picture_shows_what_was_looked_for_and_what_was_found() -> None:
 
 
 def test_a_mirror_image_off_the_sample_comes_with_the_brightest_spot() -> None:
-    far = np.array([300.0, 0.0, 200.0])
+    far, values = np.array([300.0, 0.0, 200.0]), coloured(LIGHT)
+    facet(values, spot(LIGHT) - np.array([40.0, 0]), 0.53, 10 * float(values.max()))
     with pytest.raises(PhotographError) as caught:
-        found(picture(LIGHT), light=far)
+        found(values, light=far, colour=lamp_colour())
     (circle,) = (mark.pixels for mark in caught.value.evidence.marks if mark.is_found)
     pixel = rectification().pixels(spot(LIGHT)[None])[0]
     assert circle.mean(axis=0) == pytest.approx(pixel, abs=1)
