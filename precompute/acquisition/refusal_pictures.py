@@ -19,7 +19,7 @@ ABOUT = 1.3
 """Inches above and below a photograph for what is said of it."""
 
 BEYOND = 1.0
-"""How far beyond a photograph marks are shown, in photographs; what is further out is moved there."""
+"""How far beyond a photograph marks are shown, in photographs: farther ones are moved there."""
 
 
 def drawn(error: InputError, folder: Path, prefix: str) -> InputError:
