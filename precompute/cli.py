@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal, TextIO
@@ -34,12 +34,18 @@ def main() -> None:
 
 
 @contextmanager
-def one_line_errors() -> Iterator[None]:
-    """Bad input ends the command with its one line and exit code 2."""
+def one_line_errors(
+    draw: Callable[[InputError], InputError] = lambda error: error,
+) -> Iterator[None]:
+    """Bad input ends the command with its one line and exit code 2.
+
+    Args:
+        draw: Takes the error and returns it with the name of a picture, if there is one to draw.
+    """
     try:
         yield
     except InputError as error:
-        console.print(str(error), style="red", markup=False, soft_wrap=True)
+        console.print(str(draw(error)), style="red", markup=False, soft_wrap=True)
         raise typer.Exit(2) from error
 
 
@@ -184,17 +190,23 @@ def acquire_flash(
     from precompute.acquisition.flash import FlashOptions
     from precompute.acquisition.flash import acquire_flash as acquired_from
     from precompute.acquisition.pictures import write_pictures
+    from precompute.acquisition.refusal_pictures import drawn
     from precompute.acquisition.stochastic_report import acquire_stochastic
 
-    with one_line_errors():
+    def draw(error: InputError) -> InputError:
+        if debug is None:
+            return drawn(error, output.parent, f"{output.name}.")
+        return drawn(error, debug, "")
+
+    with one_line_errors(draw):
         told = read_capture(capture, "flash")
         if told.sample.stochastic:
             way = "deconvolution" if method == "lobes" else "threshold"
-            acquire_stochastic(told, capture.parent, output, _remark, height, way)
+            acquire_stochastic(told, capture.parent, output, _remark, height, way, draw)
             return
         is_one = {"auto": None, "one": True, "many": False}[periods]
         options = FlashOptions(size, height, is_one, method, align)
-        acquired = acquired_from(capture, options, _remark)
+        acquired = acquired_from(capture, options, _remark, draw)
         acquired.foil.write(output.parent, output.name)
         acquired.report.write(output.parent / f"{output.name}.report.json")
         for line in acquired.report.lines():

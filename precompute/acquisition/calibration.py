@@ -64,6 +64,13 @@ COMMON = 0.2
 CHANCE = 9.0
 """Squared deviations that noise reaches at the best of a hundred orientations: 2 ln 100."""
 
+NOISE = 4.0
+"""Times what noise alone gains at its best orientation from which a texel counts as lit."""
+
+FAINTEST = 3e-4
+"""Gain, in that of a lobe at its peak, below which no texel counts as lit: 1.7 % of its intensity,
+as it is seen 3 deviations off."""
+
 MANY, MOST = 1000, 0.2
 """Observations at a distance from the highlight whose mean is little noise, and the share of what
 the commonest distance has that is enough where all have few."""
@@ -84,7 +91,7 @@ class Calibration:
         roughness: Of the normal, rad.
         is_one_period: Whether all gratings have the same.
         apparent: Period in each photograph over that in all, shape (photographs,).
-        noise: Gain that noise alone reaches at its best orientation.
+        lit_gain: Gain from which a texel counts as lit, and not as noise.
     """
 
     shots: list[Shot]
@@ -93,7 +100,7 @@ class Calibration:
     roughness: float
     is_one_period: bool
     apparent: Array
-    noise: float
+    lit_gain: float
 
     def fit(self, tiling: Tiling, places: Array, name: str) -> Fit:
         """Fit a grating to each of many texels (`fit_texels`).
@@ -148,7 +155,7 @@ def calibrated(
     chance = CHANCE * max(np.max((w * dark) ** 2) for w, dark in zip(weights, noise, strict=True))
     return Calibration(
         *(shots, model, highlight, roughness, is_one, apparent),
-        noise=float(chance / peak_energy(model)),
+        lit_gain=max(FAINTEST, NOISE * float(chance / peak_energy(model))),
     )
 
 

@@ -12,13 +12,6 @@ from precompute.acquisition.pattern import Gratings
 
 Array = NDArray[np.float64]
 
-DIM = 3e-4
-"""Gain, in that of a lobe at its peak, from which a texel counts as lit: 1.7 % of its intensity,
-as it is seen 3 deviations off."""
-
-NOISE = 4.0
-"""Times what noise alone gains from which a texel counts as lit."""
-
 DOUBT = 0.2
 """Margin below which another orientation would do nearly as well."""
 
@@ -49,7 +42,7 @@ class Completed:
     hidden: NDArray[np.bool_]
 
 
-def completed(fit: Fit, size: tuple[int, int], noise: float) -> Completed:
+def completed(fit: Fit, size: tuple[int, int], lit_gain: float) -> Completed:
     """Judge each texel, and fill in what was not seen.
 
     A texel that is dark everywhere is one that does not diffract if every orientation would have
@@ -59,15 +52,14 @@ def completed(fit: Fit, size: tuple[int, int], noise: float) -> Completed:
     Args:
         fit: Of all texels, row by row.
         size: Columns and rows.
-        noise: Gain that noise alone reaches.
+        lit_gain: Gain from which a texel counts as lit.
     """
     columns, rows = size
     parts = {name: values.reshape(rows, columns) for name, values in vars(fit).items()}
     gain, margin = parts["gain"], parts["margin"]
-    threshold = max(DIM, NOISE * noise)
-    lit = gain > threshold
+    lit = gain > lit_gain
     seen, unsure = lit & (margin > DOUBT), lit & (margin <= DOUBT)
-    dark = ~lit & (parts["least"] > threshold)
+    dark = ~lit & (parts["least"] > lit_gain)
     hidden = ~lit & ~dark
     common = float(np.median(parts["frequency"][lit])) if lit.any() else 1.0
     strength = np.where(lit, np.clip(parts["strength"] / WHOLE, 0, 1), hidden)
@@ -77,7 +69,7 @@ def completed(fit: Fit, size: tuple[int, int], noise: float) -> Completed:
             np.where(hidden, common, parts["frequency"]),
             strength,
         ),
-        np.where(lit, margin * gain / (gain + threshold), 0),
+        np.where(lit, margin * gain / (gain + lit_gain), 0),
         seen,
         dark,
         unsure,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from precompute.acquisition.capture import Corners
+from precompute.acquisition.evidence import Evidence, Mark, PhotographError
 from precompute.errors import InputError
 
 Array = NDArray[np.float64]
@@ -102,14 +103,18 @@ def find_corners(pictures: list[Picture], name: str) -> Corners:
         x, y in px, clockwise from the sample's top left as the camera sees it.
 
     Raises:
-        InputError: No four such sides enclose a tenth of the picture, or so much shines beside one
-            that it cannot be measured.
+        PhotographError: No four such sides enclose a tenth of the picture, or so much shines beside
+            one that it cannot be measured.
     """
     greys = np.stack([np.mean(picture, axis=2) for picture in pictures])
     dark = (len(greys) - 1) // 3
     grey = np.partition(greys, dark, axis=0)[dark].astype(np.float32)
     coarse, scale = _coarse(grey)
-    outline = (_outline(coarse, name) + 0.5) * scale - 0.5
+    coarse_outline, seen = _outline(coarse)
+    outline = None if coarse_outline is None else (coarse_outline + 0.5) * scale - 0.5
+    if outline is None or seen < SEEN:
+        found = f"no quadrilateral of which more than {seen:.0%} of each side is seen"
+        raise _refusal(name, found, grey, outline)
     corners = outline
     sides = [Side(a, _unit(b - a), _length(b - a), np.zeros(1)) for a, b in _edges(corners)]
     widest = 2 * NEAR * float(scale.max())
@@ -120,9 +125,11 @@ def find_corners(pictures: list[Picture], name: str) -> Corners:
     least = min(side.share for side in sides)
     moved = float(np.linalg.norm(corners - outline, axis=1).max())
     if least < SEEN:
-        raise _refusal(name, f"a quadrilateral of which a side is straight over {least:.0%}")
+        found = f"a quadrilateral of which a side is straight over {least:.0%}"
+        raise _refusal(name, found, grey, corners)
     if moved > widest:
-        raise _refusal(name, f"a quadrilateral whose sides bend by {moved:.0f} px at a corner")
+        found = f"a quadrilateral whose sides bend by {moved:.0f} px at a corner"
+        raise _refusal(name, found, grey, corners)
     found = [(float(x), float(y)) for x, y in corners]
     return found[0], found[1], found[2], found[3]
 
@@ -140,9 +147,15 @@ def _coarse(grey: Picture) -> tuple[Array, Array]:
     return np.arcsinh(small / floor), np.array([width / size[0], height / size[1]])
 
 
-def _outline(coarse: Array, name: str) -> Array:
-    """The quadrilateral whose sides are seen best, clockwise from the top left, shape (4, 2)."""
+def _outline(coarse: Array) -> tuple[Array | None, float]:
+    """The quadrilateral whose sides are seen best, and which share of its worst side is.
+
+    Returns:
+        Clockwise from the top left, shape (4, 2), None where no lines enclose one; where none is
+        seen well enough, that whose worst side is seen most of.
+    """
     best, most, seen = None, 0.0, 0.0
+    nearest = None
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (SPOT, SPOT))
     opened = cv2.morphologyEx(coarse, cv2.MORPH_OPEN, disc).astype(np.float64)
     for shown in (coarse, opened):
@@ -154,13 +167,12 @@ def _outline(coarse: Array, name: str) -> Array:
             fours, corners = _quadrilaterals(lines, coarse.shape)
             shares, lengths = _support(lines, fours, corners, points, outwards)
             least = shares.min(axis=1)
-            seen = max(seen, least.max(initial=0.0))
+            if least.max(initial=0.0) > seen:
+                nearest, seen = corners[np.argmax(least)], float(least.max())
             scores = np.where(least < SEEN, 0, np.sum((shares - SEEN) * lengths, axis=1))
             if scores.max(initial=0.0) > most:
                 best, most = corners[np.argmax(scores)], float(scores.max())
-    if best is None:
-        raise _refusal(name, f"no quadrilateral of which more than {seen:.0%} of each side is seen")
-    return best
+    return (nearest if best is None else best), seen
 
 
 def _edge_points(picture: Array) -> tuple[Array, Array]:
@@ -333,9 +345,11 @@ def _meeting(before: Side, after: Side, near: Array) -> Array:
     return point
 
 
-def _refusal(name: str, found: str) -> InputError:
+def _refusal(name: str, found: str, grey: Picture, corners: Array | None) -> PhotographError:
     wanted = "the four corners of a sample that stands out from what it lies on"
-    return InputError(name, "corners_px", found, f"{wanted} and covers a tenth of the picture")
+    error = InputError(name, "corners_px", found, f"{wanted} and covers a tenth of the picture")
+    marks = () if corners is None else (Mark(found, corners, True),)
+    return PhotographError(error, Evidence.of("corners", grey[..., None], *marks))
 
 
 def _edges(corners: Array) -> list[tuple[Array, Array]]:

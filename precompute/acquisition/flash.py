@@ -14,12 +14,12 @@ from precompute.acquisition.alignment import aligned
 from precompute.acquisition.calibration import Calibration, calibrated
 from precompute.acquisition.capture import Capture, read_capture
 from precompute.acquisition.chance import over_chance
-from precompute.acquisition.completion import NOISE, Completed, completed
+from precompute.acquisition.completion import Completed, completed
 from precompute.acquisition.flash_report import FlashReport, PhotographSeen, Shares
 from precompute.acquisition.layout import tiling_of
 from precompute.acquisition.lobe_fit import Fit
 from precompute.acquisition.observations import Shot, observed, strips, texel_places
-from precompute.acquisition.shots import Taken, read_shots
+from precompute.acquisition.shots import Taken, about_all, read_shots
 from precompute.acquisition.thresholds import brightest
 from precompute.acquisition.tiling import Tiling
 from precompute.errors import InputError
@@ -37,10 +37,13 @@ ALIGNED_TEXELS = 128
 
 OVER_CHANCE = 1.4
 """How much better gratings have to explain what is lit than what is lit elsewhere: of a foil it is
-1.8 to 10 times as much, of anything else 0.9 to 1.1."""
+1.7 to 7 times as much, of anything else 0.9 to 1.2."""
 
 CHANCE = 1.05
 """Ratio of the periods that photographs show each, up to which they agree."""
+
+FOIL = "lit points of a foil"
+NO_GRATING = "no grating that stands out from the noise"
 
 
 @dataclass(frozen=True)
@@ -92,13 +95,19 @@ class Acquired:
     report: FlashReport
 
 
-def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None]) -> Acquired:
+def acquire_flash(
+    file: Path,
+    options: FlashOptions,
+    say: Callable[[str], None],
+    draw: Callable[[InputError], InputError] = lambda error: error,
+) -> Acquired:
     """Solve a capture.
 
     Args:
         file: The capture file.
         options: How.
         say: Takes remarks as they arise.
+        draw: See `read_shots`.
 
     Raises:
         InputError: The capture or a photograph cannot be used: see `read_capture` and `read_shots`;
@@ -112,16 +121,27 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
         say(text)
 
     capture = read_capture(file, "flash")
-    taken = read_shots(capture, file.parent, remark)
-    for error in taken.left_out.values():
-        remark(f"left out: {error}")
+    taken = read_shots(capture, file.parent, remark, draw)
+    try:
+        return _solved(file, capture, taken, options, remarks, remark)
+    except InputError as error:
+        raise about_all(error, taken, capture.sample.size_mm) from error
+
+
+def _solved(
+    file: Path,
+    capture: Capture,
+    taken: Taken,
+    options: FlashOptions,
+    remarks: list[str],
+    remark: Callable[[str], None],
+) -> Acquired:
     tiling, reference = tiling_of(capture, taken.shots, str(file), remark)
     size = options.size or _resolution(taken.shots[0], tiling)
     places = texel_places(size)
     calibration = calibrated(taken.shots, tiling, places, options.height, options.is_one_period)
     if calibration is None:
-        found = "darkness outside the highlights"
-        raise InputError(file, "photographs", found, "lit points of a foil")
+        raise InputError(file, "photographs", "darkness outside the highlights", FOIL)
     apparent = calibration.apparent
     if apparent.max() > CHANCE * apparent.min():
         shown = ", ".join(
@@ -132,8 +152,8 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
     if better < OVER_CHANCE:
         found = f"light that gratings explain {better:.2f} times as well as chance"
         raise InputError(file, "photographs", found, f"{OVER_CHANCE:g} times or more, as of a foil")
-    if NOISE * calibration.noise >= 1:
-        raise _nothing_stands_out(file)
+    if calibration.lit_gain >= 1:
+        raise InputError(file, "photographs", NO_GRATING, FOIL)
     if options.align:
         small = _at_most(size, ALIGNED_TEXELS)
         tiling = aligned(calibration, tiling, small, reference)
@@ -141,11 +161,12 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
         calibration = again or calibration
     fit = calibration.fit(tiling, places, "Fitting gratings")
     explained = float(fit.gain.sum() / max(fit.shown.sum(), 1e-30))
+    is_lit = fit.shown.any()
     if options.method == "thresholds":
         fit = _by_thresholds(calibration, tiling, places, fit)
-    whole = completed(fit, size, calibration.noise)
-    if not whole.seen.any():
-        raise _nothing_stands_out(file)
+    whole = completed(fit, size, calibration.lit_gain)
+    if not (is_lit and whole.seen.any()):
+        raise InputError(file, "photographs", NO_GRATING, FOIL)
     is_relative = not taken.shots[0].rectification.is_scaled
     report = _report(taken, calibration, tiling, whole, explained, is_relative, remarks)
     return Acquired(
@@ -156,11 +177,6 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
         tiling,
         report,
     )
-
-
-def _nothing_stands_out(file: Path) -> InputError:
-    found = "no grating that stands out from the noise"
-    return InputError(file, "photographs", found, "lit points of a foil")
 
 
 def _resolution(shot: Shot, tiling: Tiling) -> tuple[int, int]:

@@ -16,6 +16,7 @@ from colour.models import eotf_inverse_sRGB
 from numpy.typing import NDArray
 
 from precompute.acquisition.capture import Bracket, Camera, Capture, Photograph
+from precompute.acquisition.evidence import Evidence, Mark, PhotographError
 from precompute.acquisition.image_files import ImageFile, read_image, write_image
 from precompute.errors import InputError
 from precompute.progress import tracked
@@ -233,7 +234,9 @@ def read_photograph(photograph: Photograph, camera: Camera, folder: Path) -> Pho
             size = image.size
             merge = _Merge(image, exposure_s)
         else:
-            _check_size(folder / name, image.size, size, sources[0].file)
+            if image.size != size:
+                light = image.linear(slice(None))
+                raise _other_size(folder / name, name, light, size, sources[0].file)
             agreement = merge.add(image, exposure_s)
             if agreement is not None and not (
                 1 / LARGEST_EXPOSURE_ERROR < agreement < LARGEST_EXPOSURE_ERROR
@@ -250,10 +253,12 @@ def read_photograph(photograph: Photograph, camera: Camera, folder: Path) -> Pho
     assert merge is not None
     if merge.saturated.all():
         file = folder / sources[0].file
-        raise InputError(file, "numbers", "all clipped", "an exposure short enough")
+        error = InputError(file, "numbers", "all clipped", "an exposure short enough")
+        raise PhotographError(error, Evidence.of(sources[0].file, merge.values()))
     values = merge.values()
     if values.max() <= 0:
-        raise InputError(folder / sources[-1].file, "numbers", "all black", "some light")
+        error = InputError(folder / sources[-1].file, "numbers", "all black", "some light")
+        raise PhotographError(error, Evidence.of(sources[-1].file, values))
     noise = max(dark_noise(values), merge.rounding_noise())
     noted = [source.noted_focal_px for source in sources if source.noted_focal_px is not None]
     focal_px, focal_from = camera.focal_px, "nobody"
@@ -284,7 +289,8 @@ def read_photographs(capture: Capture, folder: Path) -> Iterator[Photo]:
         known = photo.sources[0].exposure_from != "nobody"
         if first is None:
             first = photo.name, photo.size, known
-        _check_size(folder / photo.name, photo.size, first[1], first[0])
+        if photo.size != first[1]:
+            raise _other_size(folder / photo.name, photo.name, photo.values, first[1], first[0])
         if known != first[2]:
             unknown = photo.name if first[2] else first[0]
             other = first[0] if first[2] else photo.name
@@ -333,7 +339,16 @@ def write_photograph(
     write_image(file, numbers.astype(np.uint8 if bits == 8 else np.uint16), exposure_s)
 
 
-def _check_size(file: Path, size: tuple[int, int], needed: tuple[int, int], other: str) -> None:
-    if size != needed:
-        found, expected = (f"{width} × {height}" for width, height in (size, needed))
-        raise InputError(file, "size", found, f"{expected} pixels, as {other} has")
+def _other_size(
+    file: Path, name: str, values: NDArray[np.float32], needed: tuple[int, int], other: str
+) -> PhotographError:
+    size = (values.shape[1], values.shape[0])
+    found, expected = (f"{width} × {height}" for width, height in (size, needed))
+    error = InputError(file, "size", found, f"{expected} pixels, as {other} has")
+    frames = (Mark(expected, _frame(needed), False), Mark(found, _frame(size), True))
+    return PhotographError(error, Evidence.of(name, values, *frames))
+
+
+def _frame(size: tuple[int, int]) -> NDArray[np.float64]:
+    width, height = size
+    return np.array([(0, 0), (width, 0), (width, height), (0, height)]) - 0.5

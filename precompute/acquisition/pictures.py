@@ -10,6 +10,7 @@ from matplotlib.colors import hsv_to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from precompute.acquisition.evidence import shown
 from precompute.acquisition.flash import Acquired
 from precompute.acquisition.observations import Shot, half_vectors, looked_up, observed
 from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
@@ -93,12 +94,6 @@ def _seen(shot: Shot, tiling: Tiling, width: int) -> Array:
     return values.reshape(*shape, -1).astype(np.float64)
 
 
-def _shown(linear: Array, white: float) -> Array:
-    """What a display shows: white at a given value, a power of 1/2.2, grey as three channels."""
-    tone = np.clip(linear / white, 0, 1) ** (1 / 2.2)
-    return np.broadcast_to(tone, (*tone.shape[:2], 3)) if tone.shape[2] == 1 else tone
-
-
 def _sample_extent(tiling: Tiling) -> tuple[float, float, float, float]:
     x, y = tiling.sample / 2
     return (-x, x, -y, y)
@@ -110,7 +105,7 @@ def _rectified(acquired: Acquired, number: int) -> Figure:
     seen = _seen(shot, tiling, 2 * WIDTH)
     figure = Figure((9, 7), layout="constrained")
     axes = figure.subplots()
-    axes.imshow(_shown(seen, np.percentile(seen, 99.5)), extent=_sample_extent(tiling))
+    axes.imshow(shown(seen, np.percentile(seen, 99.5)), extent=_sample_extent(tiling))
     corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)], dtype=np.float64)
     for row, column in tiling.tiles():
         x, y = tiling.points(row, column, corners).T
@@ -193,8 +188,8 @@ def _rendering(acquired: Acquired, number: int) -> Figure:
         figure.subplots(1, 2), (seen, rendered), (shot.name, "the map"), strict=True
     ):
         # Each has its own exposure: the lamp's power is not known.
-        shown = _shown(picture, float(np.percentile(picture, 99)))
-        axes.imshow(shown, extent=_sample_extent(acquired.tiling))
+        tone = shown(picture, float(np.percentile(picture, 99)))
+        axes.imshow(tone, extent=_sample_extent(acquired.tiling))
         axes.set(title=title, xlabel="mm", ylabel="mm")
     return figure
 

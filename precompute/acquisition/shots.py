@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from precompute.acquisition.capture import Capture, Corners
 from precompute.acquisition.corners import find_corners
+from precompute.acquisition.evidence import Evidence, Mark, PhotographError, outline
 from precompute.acquisition.highlight import Highlight, find_highlight
+from precompute.acquisition.lamp_colour import LampColour
 from precompute.acquisition.lobes import lobe_deviation
 from precompute.acquisition.observations import Shot
 from precompute.acquisition.photographs import Photo, read_photographs
@@ -42,7 +44,12 @@ class Taken:
     left_out: dict[str, InputError]
 
 
-def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Taken:
+def read_shots(
+    capture: Capture,
+    folder: Path,
+    say: Callable[[str], None],
+    draw: Callable[[InputError], InputError] = lambda error: error,
+) -> Taken:
     """Read a capture's photographs, find the sample and the highlight in each.
 
     A photograph whose highlight cannot be found is left out; the others go on.
@@ -50,7 +57,8 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
     Args:
         capture: What the capture file says.
         folder: That of the file.
-        say: Takes remarks on what was not given and had to be found or assumed.
+        say: Takes remarks on what was left out, or was not given and had to be found or assumed.
+        draw: Takes the errors that are remarked on, and returns them with the names of pictures.
 
     Raises:
         InputError: A photograph cannot be read, the sample is not found in it, or none has a
@@ -61,7 +69,7 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
         say("camera.spectral_response_csv is not given: a typical sensor's is taken")
     taken = Taken([], [], {})
     photos = list(read_photographs(capture, folder))
-    found = _found_corners(capture, photos, say)
+    found = _found_corners(capture, photos, say, draw)
     for photograph, photo in zip(capture.photographs, photos, strict=True):
         rectification = _rectification(capture, photo, photograph.corners_px or found)
         if not rectification.is_scaled and not taken.shots:
@@ -69,6 +77,10 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
         light = photograph.light
         assert light is not None  # a flash capture
         radius = float(np.radians(light.radius_deg))
+        deviation = lobe_deviation(radius, ROUGHNESS)
+        weights = channel_weights(light, photograph.filter, response, folder)
+        # A typical sensor's colours are not this one's.
+        is_measured = capture.camera.spectral_response_csv is not None
         try:
             highlight = find_highlight(
                 photo.name,
@@ -77,10 +89,11 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
                 rectification,
                 capture.sample.size_mm,
                 np.array(light.position_mm),
-                lobe_deviation(radius, ROUGHNESS),
+                deviation,
+                LampColour.of(weights, deviation) if is_measured else None,
             )
         except InputError as error:
-            taken.left_out[photo.name] = error
+            taken.left_out[photo.name] = draw(error)
             continue
         if highlight.offset_mm > FAR_MM:
             say(
@@ -94,18 +107,32 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
             rectification,
             highlight.light,
             radius,
-            channel_weights(light, photograph.filter, response, folder),
+            weights,
             np.zeros(photo.values.shape[2], np.float32),
         )
         taken.shots.append(shot)
         taken.highlights.append(highlight)
+    errors = [*taken.left_out.values()]
+    for error in errors if taken.shots else errors[1:]:
+        say(f"left out: {error}")
     if not taken.shots:
-        raise next(iter(taken.left_out.values()))
+        raise errors[0]
     return taken
 
 
+def about_all(error: InputError, taken: Taken, size_mm: tuple[float, float]) -> PhotographError:
+    """An error about all photographs, with what the first shows: the sample and the highlight."""
+    shot, highlight = taken.shots[0], taken.highlights[0]
+    sample = replace(outline(shot.rectification, size_mm), label="the sample, lit like a foil")
+    spot = Mark("the lamp's mirror image", highlight.pixel[None], True)
+    return PhotographError(error, Evidence.of(shot.name, shot.values, sample, spot))
+
+
 def _found_corners(
-    capture: Capture, photos: list[Photo], say: Callable[[str], None]
+    capture: Capture,
+    photos: list[Photo],
+    say: Callable[[str], None],
+    draw: Callable[[InputError], InputError],
 ) -> Corners | None:
     """The sample's corners where photographs do not have them; None where the camera says it all.
 
@@ -124,7 +151,7 @@ def _found_corners(
     except InputError as error:
         if capture.camera.position_mm is None or capture.camera.focal_px is None:
             raise
-        say(f"{error}; the camera's position and focal length are taken instead")
+        say(f"the camera's position and focal length are taken instead of corners: {draw(error)}")
         return None
     shown = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in corners)
     say(f"photographs.corners_px found: {shown}")

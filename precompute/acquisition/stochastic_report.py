@@ -10,8 +10,9 @@ from pydantic import BaseModel, ConfigDict
 
 from precompute.acquisition.capture import Capture
 from precompute.acquisition.flash_report import Share
-from precompute.acquisition.shots import read_shots
+from precompute.acquisition.shots import about_all, read_shots
 from precompute.acquisition.stochastic import SEEN, Estimated, Method, estimate_distribution
+from precompute.errors import InputError
 from precompute.files import written_aside
 
 UNSEEN = (
@@ -52,6 +53,7 @@ def acquire_stochastic(
     say: Callable[[str], None],
     height: float = 0.15,
     method: Method = "deconvolution",
+    draw: Callable[[InputError], InputError] = lambda error: error,
 ) -> list[Path]:
     """Estimate a foil's distribution and write it.
 
@@ -62,6 +64,7 @@ def acquire_stochastic(
         say: Takes remarks as they arise.
         height: Of the gratings, µm.
         method: See `estimate_distribution`.
+        draw: See `read_shots`.
 
     Returns:
         The distribution's file, which ``diffraction design stochastic`` takes, and the report's.
@@ -75,10 +78,12 @@ def acquire_stochastic(
         remarks.append(text)
         say(text)
 
-    taken = read_shots(capture, folder, remark)
-    for error in taken.left_out.values():
-        remark(f"left out: {error}")
-    estimated = estimate_distribution(taken.shots, capture.sample.size_mm, height, method)
+    taken = read_shots(capture, folder, remark, draw)
+    size = capture.sample.size_mm
+    try:
+        estimated = estimate_distribution(taken.shots, size, height, method)
+    except InputError as error:
+        raise about_all(error, taken, size) from error
     report = StochasticReport(
         photographs=[shot.name for shot in taken.shots],
         left_out={name: str(error) for name, error in taken.left_out.items()},

@@ -14,10 +14,12 @@ from PIL import Image
 from scipy.ndimage import gaussian_filter
 from typer.testing import CliRunner, Result
 
-from precompute.acquisition.capture import read_capture
+from precompute.acquisition.capture import Camera, read_capture
+from precompute.acquisition.flash import FlashOptions, acquire_flash
 from precompute.acquisition.flash_report import FlashReport
 from precompute.acquisition.image_files import read_image, write_image
 from precompute.acquisition.pattern import gratings_of
+from precompute.acquisition.refusal_pictures import drawn
 from precompute.cli import app
 from precompute.maps import Map
 
@@ -104,13 +106,32 @@ def acquire(file: Path, *options: str) -> Result:
     return run("acquire", "flash", file, "-o", file.parent / "foil", *options)
 
 
-def refusal(file: Path) -> str:
+def refusal(file: Path, *options: str) -> str:
     """The one line in which an acquisition ends."""
-    result = acquire(file, "--size", "16", "16")
+    result = acquire(file, "--size", "16", "16", *options)
     assert result.exit_code == 2
     assert not (file.parent / "foil.json").exists()
     lines = result.stderr.strip().splitlines()
+    assert not list(file.parent.glob("*.part"))
     return lines[-1]
+
+
+def picture(line: str) -> Path:
+    """The picture that a line ends by naming: it is there, small and not one colour all over."""
+    file = Path(line.rsplit("; see ", 1)[1])
+    with Image.open(file) as image:
+        assert image.format == "PNG" and max(image.size) <= 1200
+        assert np.asarray(image.convert("L")).std() > 5
+    return file
+
+
+def covered(fields: dict[str, Any], folder: Path) -> None:
+    """Something dark on the foil, 36 mm wide, where the second lamp's mirror image was."""
+    x, y = (round(float(c)) for c in mirror_pixel(LIGHTS[1]))
+    for name in ("flash-1-0.tif", "flash-1-1.tif"):
+        numbers = read_image(folder / name, Camera(black=256)).numbers
+        numbers[max(y - 54, 0) : y + 54, x - 54 : x + 54] = 300
+        write_image(folder / name, numbers, 1.0)
 
 
 # ---- What comes out ------------------------------------------------------------------------------
@@ -177,14 +198,6 @@ def test_pictures_show_every_step(solved: Path) -> None:
 
 
 def test_a_photograph_without_highlight_is_left_out(capture: Path, tmp_path: Path) -> None:
-    def covered(fields: dict[str, Any], folder: Path) -> None:
-        """Something dark on the foil, 36 mm wide, where the lamp's mirror image was."""
-        x, y = (round(float(c)) for c in mirror_pixel(LIGHTS[1]))
-        for name in ("flash-1-0.tif", "flash-1-1.tif"):
-            numbers = read_image(folder / name, read_capture(capture, "flash").camera).numbers
-            numbers[max(y - 54, 0) : y + 54, x - 54 : x + 54] = 300
-            write_image(folder / name, numbers, 1.0)
-
     file = changed(capture, tmp_path, covered)
     result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
     assert result.exit_code == 0
@@ -194,8 +207,10 @@ def test_a_photograph_without_highlight_is_left_out(capture: Path, tmp_path: Pat
         "flash-2-0.tif",
     ]
     assert list(report.left_out) == ["flash-1-0.tif"]
-    assert "highlight = 'nothing but darkness'" in report.left_out["flash-1-0.tif"]
-    assert any("left out" in remark for remark in report.remarks)
+    assert "of another colour than the lamp's" in report.left_out["flash-1-0.tif"]
+    (remark,) = (remark for remark in report.remarks if "left out" in remark)
+    assert picture(remark) == tmp_path / "foil.flash-1-0.tif.refused.png"
+    assert remark in result.stderr
     assert report.periods_um[1] == pytest.approx(PERIOD, rel=0.02)
 
 
@@ -220,18 +235,37 @@ def test_a_lamp_at_another_height_disagrees_with_the_others(capture: Path, tmp_p
     assert "light.position_mm" in result.stderr
 
 
+def test_what_a_camera_without_colours_shows_is_darkness(capture: Path, tmp_path: Path) -> None:
+    """Whose sensitivity nobody said: then facets are not told by their colour."""
+
+    def change(fields: dict[str, Any], folder: Path) -> None:
+        covered(fields, folder)
+        del fields["camera"]["spectral_response_csv"]
+
+    file = changed(capture, tmp_path, change)
+    draw = tmp_path / "debug"
+    options = FlashOptions((24, 24), is_one_period=True, align=False)
+    said: list[str] = []
+    acquired = acquire_flash(file, options, said.append, lambda e: drawn(e, draw, ""))
+    assert list(acquired.report.left_out) == ["flash-1-0.tif"]
+    assert "highlight = 'nothing but darkness'" in acquired.report.left_out["flash-1-0.tif"]
+    (remark,) = (remark for remark in said if "left out" in remark)
+    assert picture(remark) == draw / "flash-1-0.tif.refused.png"
+
+
+@pytest.mark.parametrize("off", [8, -40])
 def test_a_lamp_that_was_measured_badly_is_put_right_and_said(
-    capture: Path, tmp_path: Path
+    capture: Path, tmp_path: Path, off: float
 ) -> None:
     def moved(fields: dict[str, Any], folder: Path) -> None:
-        fields["photographs"][0]["light"]["position_mm"][0] += 8
+        fields["photographs"][0]["light"]["position_mm"][1] += off
 
     file = changed(capture, tmp_path, moved)
     result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
     assert result.exit_code == 0
     report = FlashReport.model_validate_json((tmp_path / "foil.report.json").read_text())
     assert len(report.remarks) == 1 and "mm from light.position_mm" in report.remarks[0]
-    assert report.photographs[0].light_off_mm == pytest.approx(8, abs=0.3)
+    assert report.photographs[0].light_off_mm == pytest.approx(abs(off), abs=0.3)
     assert report.photographs[0].light_mm == pytest.approx(LIGHTS[0], abs=0.3)
 
 
@@ -243,6 +277,7 @@ def test_a_missing_photograph(capture: Path, tmp_path: Path) -> None:
         (folder / "flash-1-1.tif").unlink()
 
     assert "flash-1-1.tif" in refusal(changed(capture, tmp_path, removed))
+    assert not list(tmp_path.glob("*.png"))
 
 
 def test_photographs_of_other_sizes(capture: Path, tmp_path: Path) -> None:
@@ -253,6 +288,7 @@ def test_photographs_of_other_sizes(capture: Path, tmp_path: Path) -> None:
 
     message = refusal(changed(capture, tmp_path, cropped))
     assert "283 × 226" in message and "283 × 236" in message and "flash-2-0.tif" in message
+    assert picture(message).name == "foil.flash-2-0.tif.refused.png"
 
 
 def test_highlights_that_are_clipped_everywhere(capture: Path, tmp_path: Path) -> None:
@@ -261,6 +297,49 @@ def test_highlights_that_are_clipped_everywhere(capture: Path, tmp_path: Path) -
 
     message = refusal(changed(capture, tmp_path, long))
     assert "highlight" in message and "clipped" in message and "flash-0-1.tif" in message
+    pictures = {tmp_path / f"foil.flash-{number}-1.tif.refused.png" for number in range(3)}
+    assert picture(message) in pictures
+    assert set(tmp_path.glob("*.png")) == pictures
+
+
+def test_pictures_of_refusals_are_with_the_other_pictures(capture: Path, tmp_path: Path) -> None:
+    def far(fields: dict[str, Any], folder: Path) -> None:
+        for photograph in fields["photographs"]:
+            photograph["light"]["position_mm"][0] += 400
+
+    file = changed(capture, tmp_path, far)
+    result = acquire(file, "--size", "16", "16", "--debug", str(tmp_path / "debug"))
+    lines = result.stderr.strip().splitlines()
+    assert result.exit_code == 2 and len(lines) == 3
+    for line, number in zip(lines, (1, 2, 0), strict=True):
+        assert "light.position_mm = \"the lamp's mirror image at" in line
+        assert picture(line) == tmp_path / f"debug/flash-{number}-0.tif.refused.png"
+
+
+def test_no_sample_in_the_photographs(capture: Path, tmp_path: Path) -> None:
+    """A table, lit from its middle."""
+
+    def table(fields: dict[str, Any], folder: Path) -> None:
+        del fields["camera"]["focal_px"]
+        y, x = np.mgrid[:236, :283]
+        shade = np.exp(-((x - 140) ** 2 + (y - 120) ** 2) / (2 * 60**2))
+        painted(fields, folder, 300 + 20000 * np.repeat(shade[..., None], 3, axis=2))
+        for photograph in fields["photographs"]:
+            del photograph["corners_px"]
+
+    message = refusal(changed(capture, tmp_path, table))
+    assert "corners_px" in message and "flash-0-0.tif, flash-1-0.tif, flash-2-0.tif" in message
+    assert picture(message).name == "foil.corners.refused.png"
+
+
+def test_photographs_that_are_black(capture: Path, tmp_path: Path) -> None:
+    def black(fields: dict[str, Any], folder: Path) -> None:
+        for name in single(fields):
+            write_image(folder / name, np.full((236, 283, 3), 256, np.uint16), 0.002)
+
+    message = refusal(changed(capture, tmp_path, black))
+    assert "numbers = 'all black'" in message
+    assert picture(message).name == "foil.flash-0-0.tif.refused.png"
 
 
 def painted(fields: dict[str, Any], folder: Path, background: np.ndarray) -> None:
@@ -274,12 +353,16 @@ def painted(fields: dict[str, Any], folder: Path, background: np.ndarray) -> Non
         write_image(folder / name, picture.clip(0, 65535).astype(np.uint16), 0.002)
 
 
-def test_nothing_lit_but_the_highlight(capture: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("options", [(), ("--no-align", "--periods", "one")])
+def test_nothing_lit_but_the_highlight(
+    capture: Path, tmp_path: Path, options: tuple[str, ...]
+) -> None:
     def dark(fields: dict[str, Any], folder: Path) -> None:
         painted(fields, folder, np.full((236, 283, 3), 300.0))
 
-    message = refusal(changed(capture, tmp_path, dark))
+    message = refusal(changed(capture, tmp_path, dark), *options)
     assert "photographs" in message and "lit points of a foil" in message
+    assert picture(message).name == "foil.flash-0-0.tif.refused.png"
 
 
 @pytest.mark.parametrize("grain", [0, 2, 6])
@@ -291,3 +374,4 @@ def test_photographs_of_something_else(capture: Path, tmp_path: Path, grain: flo
 
     message = refusal(changed(capture, tmp_path, texture))
     assert "photographs = " in message and "of a foil" in message
+    assert picture(message).parent == tmp_path

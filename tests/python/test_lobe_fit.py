@@ -232,7 +232,7 @@ def test_what_is_seen_unsure_dark_and_hidden() -> None:
         least=np.array([0, 0, 0.3, 0, 0, 0, 0.3, 1e-5]),
         shown=gain,
     )
-    whole = completed(fit, (4, 2), noise=0.0)
+    whole = completed(fit, (4, 2), lit_gain=3e-4)
     for row in range(2):
         kinds = [
             [name for name in ("seen", "unsure", "dark", "hidden") if getattr(whole, name)[row, i]]
@@ -247,5 +247,5 @@ def test_what_is_seen_unsure_dark_and_hidden() -> None:
     assert whole.confidence[0, 0] > whole.confidence[1, 0] > whole.confidence[1, 1] > 0
     assert whole.confidence[0, 0] < 1
     # Where noise gains as much, the lower row's light may be but that: then it is not seen.
-    noisy = completed(fit, (4, 2), noise=0.01)
+    noisy = completed(fit, (4, 2), lit_gain=0.04)
     assert noisy.seen.tolist() == [[True, False, False, False], [False] * 4]
