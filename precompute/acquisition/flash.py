@@ -115,7 +115,7 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
     taken = read_shots(capture, file.parent, remark)
     for error in taken.left_out.values():
         remark(f"left out: {error}")
-    tiling, reference = tiling_of(capture, taken.shots, str(file), remark)
+    tiling, reference = tiling_of(capture, taken, str(file), remark)
     size = options.size or _resolution(taken.shots[0], tiling)
     places = texel_places(size)
     calibration = calibrated(taken.shots, tiling, places, options.height, options.is_one_period)

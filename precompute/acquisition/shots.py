@@ -35,11 +35,13 @@ class Taken:
         shots: Those that can be used.
         highlights: Of each.
         left_out: Why others cannot, by name.
+        rectifications: Of all the capture's photographs, in its order.
     """
 
     shots: list[Shot]
     highlights: list[Highlight]
     left_out: dict[str, InputError]
+    rectifications: list[Rectification]
 
 
 def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Taken:
@@ -59,11 +61,12 @@ def read_shots(capture: Capture, folder: Path, say: Callable[[str], None]) -> Ta
     response = sensitivity(capture.camera, folder)
     if capture.camera.spectral_response_csv is None:
         say("camera.spectral_response_csv is not given: a typical sensor's is taken")
-    taken = Taken([], [], {})
+    taken = Taken([], [], {}, [])
     photos = list(read_photographs(capture, folder))
     found = _found_corners(capture, photos, say)
     for photograph, photo in zip(capture.photographs, photos, strict=True):
         rectification = _rectification(capture, photo, photograph.corners_px or found)
+        taken.rectifications.append(rectification)
         if not rectification.is_scaled and not taken.shots:
             say("camera.position_mm and camera.focal_px are not given: periods are relative")
         light = photograph.light
