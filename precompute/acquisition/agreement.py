@@ -28,7 +28,7 @@ NOISE = 3.0
 
 DIRECTIONS = 36
 """Among which lit points are shared out, each to the two nearest: steps of 5°, some two standard
-deviations of a lobe. 400 MB at most, with `layout.GRID` points along a side."""
+deviations of a lobe. All take some 350 MB, with `layout.GRID` points along both sides."""
 
 RADIUS_STEP = 0.02
 """Of ρ, at which points are lit about as often: a lobe's standard deviation or two."""
@@ -140,12 +140,10 @@ def agreements(looks: list[Look], turns: list[int]) -> Iterator[Agreement]:
         looks: The photographs, on the same grid.
         turns: t, by how many steps of direction the second point's differs, of `DIRECTIONS`.
     """
-    shared = [_by_direction(look) for look in looks]
     rows, columns = looks[0].lit.shape
     size = fft.next_fast_len(2 * rows, True), fft.next_fast_len(2 * columns, True)
     lit, even = (
-        [np.asarray(fft.rfft2(sum(parts), size)) for parts in zip(*kind, strict=True)]
-        for kind in zip(*shared, strict=True)
+        [np.asarray(fft.rfft2(part, size)) for part in parts] for parts in _by_direction(looks)
     )
     down, right = int(FARTHEST * rows), int(FARTHEST * columns)
     window = np.ix_(np.arange(-down, down + 1), np.arange(-right, right + 1))
@@ -156,25 +154,24 @@ def agreements(looks: list[Look], turns: list[int]) -> Iterator[Agreement]:
             seen += lit[k].conj() * lit[other]
             expected += (lit[k].conj() * even[other] + even[k].conj() * lit[other]) / 2
         yield Agreement(
-            *(fft.irfft2(pairs, size)[window].astype(np.float64) for pairs in (seen, expected))
+            *(np.asarray(fft.irfft2(pairs, size), np.float64)[window] for pairs in (seen, expected))
         )
 
 
-def _by_direction(look: Look) -> tuple[Array32, Array32]:
-    """What is lit, and as much in the mean at each ρ, shape (directions, rows, columns)."""
-    lit = look.lit & look.usable
-    ring = np.round(np.hypot(look.u, look.v) / RADIUS_STEP).astype(np.intp)
-    count = np.bincount(ring[look.usable], minlength=ring.max() + 1)
-    mean = np.bincount(ring[lit], minlength=len(count)) / np.maximum(count, 1)
-    even = np.where(look.usable, mean[ring], 0)
-    direction = np.mod(np.arctan2(look.v, look.u) / np.pi, 1) * DIRECTIONS
-    below = np.floor(direction).astype(np.intp)
-    shares = below + 1 - direction, direction - below
-    row, column = np.indices(lit.shape)
-    result = []
-    for values in (lit, even):
-        shared = np.zeros((DIRECTIONS, *lit.shape), np.float32)
-        for step, share in enumerate(shares):
-            shared[(below + step) % DIRECTIONS, row, column] += share * values
-        result.append(shared)
+def _by_direction(looks: list[Look]) -> tuple[Array32, Array32]:
+    """What is lit in all, and as much in the mean at each ρ, shape (directions, rows, columns)."""
+    shape = looks[0].lit.shape
+    row, column = np.indices(shape)
+    result = np.zeros((2, DIRECTIONS, *shape), np.float32)
+    for look in looks:
+        lit = look.lit & look.usable
+        ring = np.round(np.hypot(look.u, look.v) / RADIUS_STEP).astype(np.intp)
+        count = np.bincount(ring[look.usable], minlength=ring.max() + 1)
+        mean = np.bincount(ring[lit], minlength=len(count)) / np.maximum(count, 1)
+        even = np.where(look.usable, mean[ring], 0)
+        direction = np.mod(np.arctan2(look.v, look.u) / np.pi, 1) * DIRECTIONS
+        below = np.floor(direction).astype(np.intp)
+        for step, share in enumerate((below + 1 - direction, direction - below)):
+            for shared, values in zip(result, (lit, even), strict=True):
+                shared[(below + step) % DIRECTIONS, row, column] += share * values
     return result[0], result[1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
+from scipy.ndimage import map_coordinates, spline_filter
 from scipy.optimize import minimize
 
 from precompute.acquisition.agreement import DIRECTIONS, Agreement, Look, agreements
@@ -33,9 +33,6 @@ nothing repeats or too little is seen, over 100 times where there are 8 × 6 til
 EVEN = 0.6
 """Least agreement of other corners over that of every second or third: of tiles it was 0.7 or more,
 of halves it is what chance has over what tiles have, 0.2 to 0.5."""
-
-BLUR = 1.0
-"""Standard deviation with which pairs are blurred for the size's last digits, px."""
 
 
 def find_tile(looks: list[Look], pitch_mm: float) -> tuple[float, float]:
@@ -142,22 +139,30 @@ def _multiples(length: float, most: int) -> NDArray[np.intp]:
 
 
 def _refined(agreement: Agreement, width: float, height: float) -> tuple[float, float]:
-    """The size, within a pixel, at whose multiples most pairs agree: all tell of it."""
+    """The size, within two pixels, of the most evidence at corners between pixels."""
     down, right = agreement.reach
-    smooth = spline_filter(gaussian_filter(agreement.seen, BLUR))
-    across = np.arange(-int(right / (width + 1)), int(right / (width + 1)) + 1)
-    column, row = np.meshgrid(across, np.arange(int(down / (height + 1)) + 1))
+    smooth = [spline_filter(pairs) for pairs in vars(agreement).values()]
+    across = int((right - 1) / (width + 2))
+    columns = np.arange(-across, across + 1)
+    column, row = np.meshgrid(columns, np.arange(int((down - 1) / (height + 2)) + 1))
 
     def missed(size: Array) -> float:
         at = [down + row.ravel() * size[1], right + column.ravel() * size[0]]
-        return -float(map_coordinates(smooth, at, prefilter=False).sum())
+        seen, expected = (map_coordinates(pairs, at, prefilter=False).sum() for pairs in smooth)
+        return -float(_evidence(seen, expected))
 
-    corners = [(width - 0.5, height - 0.5), (width + 0.5, height - 0.3), (width, height + 0.6)]
     found = minimize(
         missed,
         [width, height],
         method="Nelder-Mead",
-        bounds=[(side - 1, side + 1) for side in (width, height)],
-        options={"initial_simplex": corners, "xatol": 1e-3},
+        bounds=[(side - 2, side + 2) for side in (width, height)],
+        options={
+            "initial_simplex": [
+                (width - 0.5, height - 0.5),
+                (width + 0.5, height - 0.3),
+                (width, height + 0.6),
+            ],
+            "xatol": 1e-3,
+        },
     )
     return float(found.x[0]), float(found.x[1])

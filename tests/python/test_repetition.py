@@ -79,8 +79,9 @@ def rows_of_shapes(columns: int, rows: int) -> np.ndarray:
     return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
-@pytest.mark.parametrize("tile", [(20.0, 15.0), (17.3, 22.1), (20.0, 25.0)])
-@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize(
+    ("tile", "count"), [((20.0, 15.0), 1), ((17.3, 22.1), 2), ((20.0, 25.0), 1)]
+)
 def test_the_tile_is_found_to_a_tenth_of_a_pixel(tile: Size, count: int) -> None:
     assert find_tile(looks(1, tile, count=count), PITCH) == pytest.approx(tile, abs=0.04)
 
@@ -115,7 +116,7 @@ def test_parts_that_repeat_twice_in_a_tile_are_not_the_tile() -> None:
 
 
 @pytest.mark.parametrize("count", [1, 3])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_polygons_that_do_not_repeat_are_refused(seed: int, count: int) -> None:
     with pytest.raises(InputError, match="a pattern that repeats") as caught:
         find_tile(looks(10 + seed, EXTENT, EXTENT, count), PITCH)
