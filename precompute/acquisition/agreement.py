@@ -132,9 +132,9 @@ def agreements(looks: list[Look], turns: list[int]) -> Iterator[Agreement]:
     """Count pairs of lit points, in all photographs at once, by how far they are apart.
 
     Where L_k is lit in direction k, and E_k is the mean of what is lit at that distance from the
-    mirror image, pairs are Σ_k L_k ⋆ L_{k+t}, and chance has ½ Σ_k (L_k ⋆ E_{k+t} + E_k ⋆ L_{k+t}).
-    At t = 0 both points are lit as by the same grating. At others they cannot be, which tells what
-    chance is able to.
+    mirror image, in all as much as L_k, pairs are Σ_k L_k ⋆ L_{k+t}, and chance has
+    ½ Σ_k (L_k ⋆ E_{k+t} + E_k ⋆ L_{k+t}). At t = 0 both points are lit as by the same grating. At
+    others they cannot be, which tells what chance is able to.
 
     Args:
         looks: The photographs, on the same grid.
@@ -159,7 +159,7 @@ def agreements(looks: list[Look], turns: list[int]) -> Iterator[Agreement]:
 
 
 def _by_direction(looks: list[Look]) -> tuple[Array32, Array32]:
-    """What is lit in all, and as much in the mean at each ρ, shape (directions, rows, columns)."""
+    """What is lit in all, and in the mean at each ρ, shape (directions, rows, columns)."""
     shape = looks[0].lit.shape
     row, column = np.indices(shape)
     result = np.zeros((2, DIRECTIONS, *shape), np.float32)
@@ -174,4 +174,6 @@ def _by_direction(looks: list[Look]) -> tuple[Array32, Array32]:
         for step, share in enumerate((below + 1 - direction, direction - below)):
             for shared, values in zip(result, (lit, even), strict=True):
                 shared[(below + step) % DIRECTIONS, row, column] += share * values
-    return result[0], result[1]
+    # Some directions are commoner than others.
+    often, mean = result.sum(axis=(2, 3))
+    return result[0], result[1] * (often / np.maximum(mean, 1e-9))[:, None, None]

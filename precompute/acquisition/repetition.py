@@ -28,7 +28,7 @@ size was found that was 10 % off."""
 
 LEAD = 2.5
 """Times the most evidence of a size that chance brings: it was up to 1.6 times as much where
-nothing repeats or too little is seen, over 100 times where there are 8 × 6 tiles."""
+nothing repeats or too little is seen, and 7 to 600 times where there are 8 × 6 tiles."""
 
 EVEN = 0.6
 """Least agreement of other corners over that of every second or third: of tiles it was 0.7 or more,

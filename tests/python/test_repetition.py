@@ -27,6 +27,7 @@ def looks(
     noise: float = 0.0,
     middles: np.ndarray | None = None,
     shuffled: bool = False,
+    spread: float = np.pi,
 ) -> list[Look]:
     """Photographs of a pattern of polygons with dark seams, some 3 mm wide each.
 
@@ -42,6 +43,7 @@ def looks(
         noise: Standard deviation; what is lit is as bright as 1.
         middles: Of the polygons, in tiles; scattered if left out.
         shuffled: Whether each tile deals the directions out among its polygons in its own way.
+        spread: Range of directions.
     """
     rng = np.random.default_rng(seed)
     size = np.array(tile)
@@ -56,7 +58,7 @@ def looks(
     tree = KDTree(((middles + around) * size).reshape(-1, 2))
     distances, nearest = map(np.asarray, tree.query(np.mod(points - shift, size), k=2))
     seam = distances[:, 1] - distances[:, 0] < 0.4
-    directions = np.tile(rng.uniform(0, np.pi, len(middles)), (*turn.shape, 1))
+    directions = np.tile(rng.uniform(0, spread, len(middles)), (*turn.shape, 1))
     if shuffled:
         directions = rng.permuted(directions, axis=-1)
     direction = directions[*index.T, nearest[:, 0] % len(middles)]
@@ -138,6 +140,17 @@ def test_a_sheet_of_one_grating_is_refused() -> None:
     brushed = looks(21, EXTENT, middles=np.array([[0.5, 0.5]]))
     with pytest.raises(InputError, match="a pattern that repeats"):
         find_tile(brushed, PITCH)
+
+
+@pytest.mark.parametrize("spread", [0.3, 1.0])
+def test_directions_that_are_commoner_than_others_do_not_make_a_tile(spread: float) -> None:
+    with pytest.raises(InputError, match="a pattern that repeats"):
+        find_tile(looks(23, EXTENT, EXTENT, spread=spread), PITCH)
+
+
+def test_a_tile_with_some_directions_only_is_found() -> None:
+    found = find_tile(looks(24, (20.0, 15.0), spread=1.0), PITCH)
+    assert found == pytest.approx((20.0, 15.0), abs=0.06)
 
 
 def test_directions_that_change_slowly_over_the_sheet_are_refused() -> None:
