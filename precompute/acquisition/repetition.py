@@ -26,9 +26,9 @@ MOST = 0.6
 """Of the sample's width or height, the longest period that is believed: with less than two tiles a
 size was found that was 10 % off."""
 
-LEAD = 2.5
-"""Times the most evidence of a size that chance brings: it was up to 1.6 times as much where
-nothing repeats or too little is seen, and 7 to 600 times where there are 8 × 6 tiles."""
+LEAD = 3.0
+"""Times the most evidence of a size that chance brings: it was up to 1.1 times as much where
+nothing repeats, up to 2.4 where less than two tiles are seen, and 7 to 600 where 8 × 6 are."""
 
 EVEN = 0.6
 """Least agreement of other corners over that of every second or third: of tiles it was 0.7 or more,
