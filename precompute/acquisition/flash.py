@@ -136,7 +136,7 @@ def _solved(
     remarks: list[str],
     remark: Callable[[str], None],
 ) -> Acquired:
-    tiling, reference = tiling_of(capture, taken.shots, str(file), remark)
+    tiling, reference = tiling_of(capture, taken, str(file), remark)
     size = options.size or _resolution(taken.shots[0], tiling)
     places = texel_places(size)
     calibration = calibrated(taken.shots, tiling, places, options.height, options.is_one_period)

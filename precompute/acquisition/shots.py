@@ -37,11 +37,13 @@ class Taken:
         shots: Those that can be used.
         highlights: Of each.
         left_out: Why others cannot, by name.
+        rectifications: Of all the capture's photographs, in its order.
     """
 
     shots: list[Shot]
     highlights: list[Highlight]
     left_out: dict[str, InputError]
+    rectifications: list[Rectification]
 
 
 def read_shots(
@@ -67,11 +69,12 @@ def read_shots(
     response = sensitivity(capture.camera, folder)
     if capture.camera.spectral_response_csv is None:
         say("camera.spectral_response_csv is not given: a typical sensor's is taken")
-    taken = Taken([], [], {})
+    taken = Taken([], [], {}, [])
     photos = list(read_photographs(capture, folder))
     found = _found_corners(capture, photos, say, draw)
     for photograph, photo in zip(capture.photographs, photos, strict=True):
         rectification = _rectification(capture, photo, photograph.corners_px or found)
+        taken.rectifications.append(rectification)
         if not rectification.is_scaled and not taken.shots:
             say("camera.position_mm and camera.focal_px are not given: periods are relative")
         light = photograph.light

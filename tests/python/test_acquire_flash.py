@@ -20,6 +20,7 @@ from precompute.acquisition.flash_report import FlashReport
 from precompute.acquisition.image_files import read_image, write_image
 from precompute.acquisition.pattern import gratings_of
 from precompute.acquisition.refusal_pictures import drawn
+from precompute.acquisition.shots import read_shots
 from precompute.cli import app
 from precompute.maps import Map
 
@@ -211,6 +212,21 @@ def test_a_photograph_without_highlight_is_left_out(capture: Path, tmp_path: Pat
     (remark,) = (remark for remark in report.remarks if "left out" in remark)
     assert picture(remark) == tmp_path / "foil.flash-1-0.tif.refused.png"
     assert remark in result.stderr
+    assert report.periods_um[1] == pytest.approx(PERIOD, rel=0.02)
+    taken = read_shots(read_capture(file, "flash"), tmp_path, lambda _: None)
+    assert len(taken.rectifications) == 3  # those of photographs that are left out too
+
+
+def test_a_tile_that_is_not_said_is_found_in_one_photograph(capture: Path, tmp_path: Path) -> None:
+    def unsaid(fields: dict[str, Any], folder: Path) -> None:
+        del fields["sample"]["tile_mm"], fields["sample"]["reference_tile_px"]
+        del fields["photographs"][1:]
+
+    file = changed(capture, tmp_path, unsaid)
+    result = acquire(file, "--size", "24", "24", "--no-align", "--periods", "one")
+    assert result.exit_code == 0
+    report = FlashReport.model_validate_json((tmp_path / "foil.report.json").read_text())
+    assert report.tile_mm == pytest.approx((15, 15), abs=0.1)  # a third of a pixel
     assert report.periods_um[1] == pytest.approx(PERIOD, rel=0.02)
 
 
