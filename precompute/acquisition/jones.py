@@ -107,7 +107,7 @@ def reflected(
     Returns:
         Amplitudes of the shape to which all broadcast.
     """
-    incident = np.complex128(1), np.complex128(-1j)
+    incident = np.array(1, complex), np.array(-1j)
     delay = np.exp(1j * plastic.retardation)
     wave = _scaled(incident, plastic.axis, 1, delay)
     if obliquity is not None:
@@ -150,10 +150,10 @@ def global_offset(ratio: complex, plastic: Plastic = Plastic()) -> float:
     return float(np.angle(np.conj(mirror) * -(1 + ratio)) / 2)
 
 
-def _scaled(wave: Wave, angle: ArrayLike, along: ArrayLike, across: ArrayLike) -> Wave:
+def _scaled(wave: Wave, angle: ArrayLike, along: complex, across: ArrayLike) -> Wave:
     """Rᵀ diag(along, across) R with the turn R into a frame at an angle from x."""
     x, y = wave
     cosine, sine = np.cos(angle), np.sin(angle)
     first = along * (cosine * x + sine * y)
-    second = across * (cosine * y - sine * x)
+    second = np.multiply(across, cosine * y - sine * x)
     return cosine * first - sine * second, sine * first + cosine * second
