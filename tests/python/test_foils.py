@@ -301,7 +301,7 @@ def test_a_disc_s_grating_vectors_are_its_radii() -> None:
     assert np.all(values[..., 2] == 1 / 1.5)
 
 
-def test_discs_that_have_no_tracks() -> None:
-    for fields in ({"outer_mm": 5}, {"outer_mm": 17}, {"inner_mm": 16}):
-        with pytest.raises(ValueError, match="up to half the tile, 16 mm"):
-            DiscFoilRecipe(kind="foil", design="disc", tile_mm=32, **{"inner_mm": 6, **fields})
+@pytest.mark.parametrize(("inner", "outer"), [(6, 5), (6, 17), (16, None)])
+def test_discs_that_have_no_tracks(inner: float, outer: float | None) -> None:
+    with pytest.raises(ValueError, match="up to half the tile, 16 mm"):
+        DiscFoilRecipe(kind="foil", design="disc", tile_mm=32, inner_mm=inner, outer_mm=outer)

@@ -112,6 +112,13 @@ def test_phases_are_orientations_up_to_the_offset(ideal: Path) -> None:
     assert np.abs(off).max() < np.deg2rad(0.35)  # the map's 8 bits
 
 
+def test_tiles_start_at_the_sheet_s_top_left(tmp_path: Path, ideal: Path) -> None:
+    larger = with_fields(sheet={"size_mm": [40, 50]}, size_px=[40, 50])
+    seen = photos(simulate(tmp_path, larger))
+    tile = np.pad(photos(ideal), ((0, 0), (0, 18), (0, 8)), mode="wrap")
+    assert seen == pytest.approx(tile, abs=1e-4)
+
+
 def test_metals_and_plastic_reach_the_picture(tmp_path: Path, ideal: Path) -> None:
     """Fresnel's ratio for iron at 10° modulates by 2 sin²φ/|nN| or so; a retarder by sin 2Δ."""
     iron = photos(simulate(tmp_path / "a", with_fields(metal={"kind": "iron", "ratio": None})))
