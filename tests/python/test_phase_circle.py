@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from precompute.acquisition.jones import Plastic, global_offset, intensity, reflected
 from precompute.acquisition.phase_circle import PhaseCircle, centred, modulations, phase_circle
@@ -17,7 +18,7 @@ from precompute.acquisition.polarization_fit import (
 CENTRE, RADIUS = 0.03 - 0.05j, 0.2
 
 
-def on_circle(degrees: object) -> np.ndarray:
+def on_circle(degrees: ArrayLike) -> np.ndarray:
     return CENTRE + RADIUS * np.exp(1j * np.deg2rad(degrees))
 
 
@@ -30,7 +31,7 @@ def found(circle: PhaseCircle, error: float) -> None:
 @pytest.mark.parametrize(
     "degrees", [[0, 100, 220], np.arange(360), np.arange(150), [10, 20, 30, 90, 170]], ids=str
 )
-def test_points_on_a_circle_give_it(degrees: object) -> None:
+def test_points_on_a_circle_give_it(degrees: ArrayLike) -> None:
     circle = phase_circle(on_circle(degrees))
     found(circle, 1e-12)
     assert circle.scatter < 1e-12

@@ -173,8 +173,9 @@ def test_columns_undo_what_the_means_do_to_the_harmonic() -> None:
     ψ = np.arange(12) * np.pi / 12
     b, A = 0.34, 0.02
     η = phases()
-    light = 1 + b * np.sin(2 * ψ)
-    photographs = (light[:, None] + A * np.cos(2 * ψ[:, None] - η)).astype(np.float32)[:, None]
+    light = 7 * (1 + b * np.sin(2 * ψ))
+    swing = 7 * A * np.cos(2 * ψ[:, None] - η)
+    photographs = (light[:, None] + swing).astype(np.float32)[:, None]
     means = photograph_means(photographs, np.ones((1, 360), bool))
     assert means == pytest.approx(light, rel=1e-5)
     harmonics = Harmonics.of(ψ, means)
@@ -205,7 +206,14 @@ def test_bare_pixels_serve_as_well() -> None:
 
 @pytest.mark.parametrize(
     ("degrees", "apart"),
-    [([10], 1), ([0, 90], 2), ([0, 90, 180, 270], 2), ([5, 5, 185, -175], 1), ([0, 0.5, 90], 2)],
+    [
+        ([10], 1),
+        ([0, 90], 2),
+        ([0, 90, 180, 270], 2),
+        ([5, 5, 185, -175], 1),
+        ([0, 0.5, 90], 2),
+        ([0.2, 90, 179.9], 2),
+    ],
 )
 def test_angles_that_are_too_few_or_repeat(degrees: list[float], apart: int) -> None:
     assert distinct_angles(np.deg2rad(degrees)) == apart
