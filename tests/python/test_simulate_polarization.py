@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from precompute.acquisition.capture import read_capture
 from precompute.acquisition.pattern import gratings_of
 from precompute.acquisition.photographs import read_photographs
 from precompute.acquisition.polarization_simulation import read_polarization_simulation
 from precompute.acquisition.simulate_polarization import Pose, simulate_polarization
+from precompute.cli import app
 from precompute.errors import InputError
 from precompute.maps import Map
 from precompute.spectra import refractive_index
@@ -307,6 +309,21 @@ def test_interrupted_there_is_no_capture(tmp_path: Path, monkeypatch: pytest.Mon
         simulate(tmp_path, RECIPE)
     found = sorted(f.name for f in (tmp_path / "out" / "bench").iterdir())
     assert found == ["polarization-0.exr", "polarization-1.exr"]
+
+
+def test_the_command(tmp_path: Path) -> None:
+    """The capture's path, or one line and exit code 2."""
+    recipe = tmp_path / "bench.json"
+    (tmp_path / "foil.json").write_text(json.dumps(FOIL))
+    arguments = ["simulate", "polarization", str(recipe), "-o", str(tmp_path / "out")]
+    recipe.write_text(json.dumps(with_fields(polariser_deg=[0])))
+    result = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert result.exit_code == 0
+    assert result.stderr.split() == [str(tmp_path / "out" / "bench" / "capture.json")]
+    recipe.write_text(json.dumps(with_fields(seed=-1)))
+    result = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1 and "seed = -1" in result.stderr
 
 
 # ---- Recipes -------------------------------------------------------------------------------------
