@@ -7,7 +7,10 @@ other. But once there is a map, each tile can be predicted, and moved until it l
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
+from os import cpu_count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,13 +86,9 @@ def _moved(calibration: Calibration, tiling: Tiling, fit: Fit, size: tuple[int, 
     tiles = tiling.tiles()
     pitch = tiling.size / size
     for blur in BLURS:
-        now = replace(tiling, shifts=shifts)
-        normal, right = (
-            np.array(part)
-            for part in zip(
-                *(_told(calibration, now, fit, size, tile, blur) for tile in tiles), strict=True
-            )
-        )
+        told = partial(_told, calibration, replace(tiling, shifts=shifts), fit, size, blur)
+        with ThreadPoolExecutor(cpu_count()) as pool:
+            normal, right = (np.array(part) for part in zip(*pool.map(told, tiles), strict=True))
         # Where a tile shows too little to tell, it stays as it is.
         held = LOOSE * np.median(np.trace(normal, axis1=1, axis2=2)) / 2 + 1e-30
         steps = np.linalg.solve(normal + held * np.eye(2), right[..., None])[..., 0]
@@ -104,8 +103,8 @@ def _told(
     tiling: Tiling,
     fit: Fit,
     size: tuple[int, int],
-    tile: tuple[int, int],
     blur: float,
+    tile: tuple[int, int],
 ) -> tuple[Array, Array]:
     """What a tile tells of its shift d, mm, in normal equations: (2, 2) times d is (2,)."""
     columns, rows = size
@@ -135,7 +134,9 @@ def _told(
     return weighted.T @ left, weighted.T @ rest.ravel()
 
 
-def _blurred(values: Array32, size: tuple[int, int], blur: float) -> Array:
+def _blurred(values: Array32, size: tuple[int, int], blur: float) -> Array32:
     columns, rows = size
-    image = values.reshape(rows, columns, *values.shape[1:]).astype(np.float64)
-    return gaussian_filter(image, (blur, blur, 0, 0))
+    image = values.reshape(rows, columns, *values.shape[1:])
+    blurred = np.empty_like(image)
+    gaussian_filter(image, (blur, blur, 0, 0), output=blurred)
+    return blurred

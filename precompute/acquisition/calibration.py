@@ -23,7 +23,6 @@ from precompute.acquisition.periods import (
 )
 from precompute.acquisition.shots import ROUGHNESS
 from precompute.acquisition.tiling import Tiling
-from precompute.progress import tracked
 
 Array = NDArray[np.float64]
 
@@ -32,6 +31,9 @@ FREQUENCIES: Array = np.geomspace(0.3, 2.2, 101)
 
 ROUGHNESSES = tuple(np.radians([0.05, 0.2, 0.35, 0.5, 0.8, 1.2, 2.0]).tolist())
 """Of the normal, rad; foils have some tenths of a degree."""
+
+USUAL = 1
+"""Which of them is tried first."""
 
 HIGHLIGHT = 5.5
 """Deviations of order 0 in (u, v) beyond which 3e-7 of its peak is left."""
@@ -233,11 +235,26 @@ class _Trial:
 
         With strengths that texels choose, wide lobes explain whatever is lit but once.
         """
-        gains = []
-        for roughness in tracked(ROUGHNESSES, "Width of lobes"):
-            model, fit = self.settled(roughness, frequencies, shares)
-            gains.append(np.sum(fit.gain) * peak_energy(model))
-        return ROUGHNESSES[int(np.argmax(gains))]
+        gains: dict[int, float] = {}
+
+        def gain(index: int) -> float:
+            if index not in gains:
+                model, fit = self.settled(ROUGHNESSES[index], frequencies, shares)
+                gains[index] = float(np.sum(fit.gain) * peak_energy(model))
+            return gains[index]
+
+        # The gain has one maximum, so that neither side of it need be tried to its end.
+        last = len(ROUGHNESSES) - 1
+        best, tried = USUAL, -1
+        while best != tried:
+            tried = best
+            best = max((tried, max(tried - 1, 0), min(tried + 1, last)), key=gain)
+        if best in (0, last):
+            return ROUGHNESSES[best]
+        around = range(best - 1, best + 2)
+        tried_there = [ROUGHNESSES[index] for index in around]
+        square, slope, _ = np.polyfit(tried_there, [gain(index) for index in around], 2)
+        return float(-slope / (2 * square))
 
     def one_period(self, roughness: float, middle: float) -> Model:
         """The model of the only frequency, near one whose logarithm is `middle`."""

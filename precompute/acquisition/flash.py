@@ -14,7 +14,7 @@ from precompute.acquisition.alignment import aligned
 from precompute.acquisition.calibration import Calibration, calibrated
 from precompute.acquisition.capture import Capture, read_capture
 from precompute.acquisition.chance import over_chance
-from precompute.acquisition.completion import Completed, completed
+from precompute.acquisition.completion import NOISE, Completed, completed
 from precompute.acquisition.flash_report import FlashReport, PhotographSeen, Shares
 from precompute.acquisition.layout import tiling_of
 from precompute.acquisition.lobe_fit import Fit
@@ -132,17 +132,20 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
     if better < OVER_CHANCE:
         found = f"light that gratings explain {better:.2f} times as well as chance"
         raise InputError(file, "photographs", found, f"{OVER_CHANCE:g} times or more, as of a foil")
+    if NOISE * calibration.noise >= 1:
+        raise _nothing_stands_out(file)
     if options.align:
         small = _at_most(size, ALIGNED_TEXELS)
         tiling = aligned(calibration, tiling, small, reference)
+        again = calibrated(taken.shots, tiling, places, options.height, options.is_one_period)
+        calibration = again or calibration
     fit = calibration.fit(tiling, places, "Fitting gratings")
     explained = float(fit.gain.sum() / max(fit.shown.sum(), 1e-30))
     if options.method == "thresholds":
         fit = _by_thresholds(calibration, tiling, places, fit)
     whole = completed(fit, size, calibration.noise)
     if not whole.seen.any():
-        found = "no grating that stands out from the noise"
-        raise InputError(file, "photographs", found, "lit points of a foil")
+        raise _nothing_stands_out(file)
     is_relative = not taken.shots[0].rectification.is_scaled
     report = _report(taken, calibration, tiling, whole, explained, is_relative, remarks)
     return Acquired(
@@ -153,6 +156,11 @@ def acquire_flash(file: Path, options: FlashOptions, say: Callable[[str], None])
         tiling,
         report,
     )
+
+
+def _nothing_stands_out(file: Path) -> InputError:
+    found = "no grating that stands out from the noise"
+    return InputError(file, "photographs", found, "lit points of a foil")
 
 
 def _resolution(shot: Shot, tiling: Tiling) -> tuple[int, int]:

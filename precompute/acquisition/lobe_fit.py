@@ -33,8 +33,20 @@ WIDER = 1.3
 CANDIDATES = 4
 """Orientations of which a strip looks for periods and refines the best."""
 
+SPACING = 0.5
+"""Between orientations that are tried, standard deviations of the narrowest first orders."""
+
+MIDDLE_UM = 0.55
+"""Wavelength at which first orders are brightest, about."""
+
+SHORT = 0.95
+"""Share of the sample whose periods are no shorter than those that steps are made for."""
+
 APART = np.radians(6)
 """Least distance between candidates: two to three standard deviations of a lobe."""
+
+GAP = np.radians(5)
+"""Standard deviation with which orientations that show nothing are blurred to find their middle."""
 
 DARK = 0.01
 """Share of a lobe's peak below which an observation counts as dark: 3 standard deviations off."""
@@ -45,7 +57,7 @@ LIT = 1.0
 RAREST = 1e-3
 """How common a period is at least taken to be, over the commonest."""
 
-STEPS = 3
+STEPS = 4
 """Of refinement; each about halves or better the distance to the best orientation."""
 
 
@@ -78,8 +90,8 @@ class Fit:
         strength: s over that of a point all of which diffracts.
         gain: How much better than showing nothing, over a lobe's whole energy at its peak.
         margin: 1 − the gain of the next best orientation over the best.
-        least_seen: The orientation that would have shown least.
-        least: What it would have shown: its energy over that of a lobe at its peak.
+        least_seen: The orientation about which least would have been shown.
+        least: The least that any would have shown: its energy over that of a lobe at its peak.
         shown: The energy of all that is lit, over that.
     """
 
@@ -111,7 +123,9 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
     """
     whitened = _Whitened.of(strip, model)
     scores, energy, angles = _scan(whitened, model)
-    hidden = np.argmin(energy, axis=1)
+    # Several orientations show nothing where one does: the middle one is meant.
+    blurred = gaussian_filter1d(energy, GAP / (np.pi / len(angles)), axis=1, mode="wrap")
+    hidden = np.argmin(blurred, axis=1)
     lit = np.abs(whitened.intensity) > LIT
     candidates, gains = _peaks(scores, angles)
     index = np.zeros(candidates.shape, np.intp)
@@ -132,8 +146,7 @@ def fit_strip(strip: Strip, model: Model) -> Fit:
         gain / peak_energy(model),
         np.where(gain > 0, 1 - np.clip(second / np.maximum(gain, 1e-30), 0, 1), 0),
         angles[hidden].astype(np.float64),
-        energy[np.arange(len(energy)), hidden].astype(np.float64)
-        * (model.strength**2 / peak_energy(model)),
+        energy.min(axis=1).astype(np.float64) * (model.strength**2 / peak_energy(model)),
         np.sum(np.where(lit, whitened.intensity**2, 0), axis=(1, 2)) / peak_energy(model),
     )
 
@@ -222,7 +235,7 @@ def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32, Array32]:
         The gains, and Σ M², both of shape (n, angles), and the angles.
     """
     deviations = np.array([table.deviation for table in model.tables], np.float32)
-    angles = max(180, int(np.ceil(np.pi / deviations.min())))
+    angles = int(np.ceil(np.pi / (SPACING * _narrowest(model))))
     n = len(strip.u)
     match = np.zeros((n, angles), np.float32)
     energy = np.zeros((n, angles), np.float32)
@@ -242,6 +255,13 @@ def _scan(strip: _Whitened, model: Model) -> tuple[Array32, Array32, Array32]:
     return gains, energy, np.arange(angles, dtype=np.float32) * np.float32(np.pi / angles)
 
 
+def _narrowest(model: Model) -> float:
+    """Standard deviation over orientation of the lobes of all but the rarest short periods, rad."""
+    deviation = min(table.deviation for table in model.tables)
+    highest = np.interp(SHORT, np.cumsum(model.shares), model.tables[0].frequencies)
+    return float(deviation / (MIDDLE_UM * highest))
+
+
 class _Lobes:
     """Lobes over orientation about the directions in which observations lie."""
 
@@ -258,12 +278,13 @@ class _Lobes:
     def add(self, total: Array32, values: Array32, power: int) -> None:
         """Add values times a power of the lobes to the rows of `total`, shape (n, angles)."""
         angles = total.shape[1]
-        nearest = REACH / float(self.across.min(initial=np.inf)) / float(self.step)
+        limit = np.float32(REACH / np.sqrt(power))
+        nearest = limit / float(self.across.min(initial=np.inf)) / float(self.step)
         reach = min(int(np.ceil(nearest)), angles // 2)
         keys, lobes = [], []
         for offset in range(-reach, reach + 1):
             far = self.across * (offset * self.step - self.within)
-            close = np.flatnonzero(np.abs(far) < REACH)
+            close = np.flatnonzero(np.abs(far) < limit)
             lobes.append(np.exp(-power * far[close] ** 2 / 2) * values[close])
             keys.append(self.rows[close] * angles + (self.nearest[close] + offset) % angles)
         summed = np.bincount(np.concatenate(keys), np.concatenate(lobes), total.size)
@@ -405,8 +426,8 @@ class _Picked:
 
     def explained(self, shown: Array, strongest: float) -> tuple[Array, Array]:
         """The strength at each texel, and the gain."""
-        match = self._sum(np.sum(shown * self.intensity, axis=1))
-        energy = self._sum(np.sum(shown**2, axis=1))
+        match = self._sum(shown, self.intensity)
+        energy = self._sum(shown, shown)
         s = np.clip(match / np.maximum(energy, 1e-30), 0, strongest)
         return s, s * (2 * match - s * energy)
 
@@ -415,9 +436,9 @@ class _Picked:
         s = strength[self.rows, None]
         rest = self.intensity - s * shown
         slopes = [s * slope for slope in slopes]
-        right = np.stack([self._sum(np.sum(slope * rest, axis=1)) for slope in slopes], axis=-1)
+        right = np.stack([self._sum(slope, rest) for slope in slopes], axis=-1)
         normal = np.stack(
-            [np.stack([self._sum(np.sum(a * b, axis=1)) for a in slopes], axis=-1) for b in slopes],
+            [np.stack([self._sum(a, b) for a in slopes], axis=-1) for b in slopes],
             axis=-1,
         )
         diagonal = np.einsum("nii->ni", normal)
@@ -425,8 +446,9 @@ class _Picked:
         diagonal += 1e-30
         return np.linalg.solve(normal, right[..., None])[..., 0].T.astype(np.float64)
 
-    def _sum(self, values: Array) -> Array:
-        return np.bincount(self.rows, values, self.n).astype(np.float64)
+    def _sum(self, a: Array, b: Array | Array32) -> Array:
+        """Σ over observations and channels of a·b at each texel."""
+        return np.bincount(self.rows, np.einsum("kc,kc->k", a, b), self.n).astype(np.float64)
 
 
 def _between(place: Array, count: int) -> tuple[Indices, Array]:

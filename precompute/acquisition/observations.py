@@ -89,10 +89,11 @@ def half_vectors(points: Array, eye: Array, light: Array) -> tuple[Array, Array]
     """
     position = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
     towards, back = light - position, eye - position
-    squared = np.sum(towards**2, axis=1, keepdims=True)
-    wi = towards / np.sqrt(squared)
-    wo = back / np.linalg.norm(back, axis=1, keepdims=True)
-    return wi + wo, wi[:, 2] * np.sum(light**2) / squared[:, 0]
+    # A sum over an axis of three is ten times as slow by np.sum.
+    squared, far = (np.einsum("nk,nk->n", way, way) for way in (towards, back))
+    wi = towards / np.sqrt(squared)[:, None]
+    wo = back / np.sqrt(far)[:, None]
+    return wi + wo, wi[:, 2] * np.sum(light**2) / squared
 
 
 def observed(
