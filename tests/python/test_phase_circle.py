@@ -50,11 +50,24 @@ def test_noise_moves_the_centre_by_its_mean_only() -> None:
     assert abs(points.mean() - CENTRE) > 0.1
 
 
-def test_bare_pixels_in_the_middle_are_left_out() -> None:
+@pytest.mark.parametrize(
+    ("arc", "bare", "strewn", "σ"),
+    [(200, 0.3, 0, 0.01), (200, 0.7, 0, 0.01), (200, 0.7, 0.1, 0.01), (120, 0, 0.1, 0.004)],
+)
+def test_bare_pixels_in_the_middle_and_others_anywhere(
+    arc: float, bare: float, strewn: float, σ: float
+) -> None:
     rng = np.random.default_rng(9)
-    noise = 0.004 * (rng.standard_normal(9000) + 1j * rng.standard_normal(9000))
-    points = np.concatenate([on_circle(rng.uniform(0, 250, 6000)), np.full(3000, CENTRE)]) + noise
-    found(phase_circle(points), 0.001)
+    counts = np.round(20000 * np.array([1 - bare - strewn, bare, strewn])).astype(int)
+    points = np.concatenate(
+        [
+            on_circle(rng.uniform(0, arc, counts[0])),
+            np.full(counts[1], CENTRE),
+            0.6 * (rng.standard_normal(counts[2]) + 1j * rng.standard_normal(counts[2])),
+        ]
+    )
+    noise = σ * (rng.standard_normal(points.size) + 1j * rng.standard_normal(points.size))
+    found(phase_circle(points + noise), 0.01)
 
 
 @pytest.mark.parametrize("degrees", [[], [40], [40, 40, 40, 40], [0, 90, 0, 90], [50, 51, 52]])
