@@ -7,9 +7,11 @@ from pathlib import Path
 
 from precompute.efficiencies import profile_map
 from precompute.foils.circles import circles_foil
+from precompute.foils.disc import disc_foil
 from precompute.foils.polygons import polygons_foil
 from precompute.foils.recipe import (
     CirclesFoilRecipe,
+    DiscFoilRecipe,
     PolygonsFoilRecipe,
     StarsFoilRecipe,
     StochasticFoilRecipe,
@@ -71,6 +73,8 @@ def baked_maps(recipe: Recipe, file: Path) -> Iterator[tuple[str, Map]]:
             yield "", stars_foil(recipe)
         case CirclesFoilRecipe():
             yield "", circles_foil(recipe)
+        case DiscFoilRecipe():
+            yield "", disc_foil(recipe)
         case StochasticFoilRecipe():
             yield "", stochastic_foil(recipe, file.parent)
         case HeightFieldRecipe():

@@ -154,6 +154,23 @@ def simulate_flash(
         console.print(str(simulated(recipe, output)), markup=False, soft_wrap=True)
 
 
+@simulate.command("polarization")
+def simulate_polarization(
+    recipe: Annotated[
+        Path, typer.Argument(metavar="RECIPE.json", help="Of kind polarization-capture.")
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="Where a folder named as the recipe is made."),
+    ] = Path("captures"),
+) -> None:
+    """Photographs of a foil in polarised light, by Jones calculus, with the truth beside them."""
+    from precompute.acquisition.simulate_polarization import simulate_polarization as simulated
+
+    with one_line_errors():
+        console.print(str(simulated(recipe, output)), markup=False, soft_wrap=True)
+
+
 @acquire.command("flash")
 def acquire_flash(
     capture: Annotated[

@@ -22,12 +22,16 @@ from precompute.errors import InputError, unreadable
 Array = NDArray[np.float64]
 Observer = Literal["1931-2", "2015-2"]
 Metal = Literal["aluminium", "silver", "gold", "copper"]
+IndexedMetal = Literal["aluminium", "silver", "brass", "iron", "gold", "copper", "platinum"]
 
 OBSERVERS: dict[Observer, str] = {
     "1931-2": "CIE 1931 2 Degree Standard Observer",
     "2015-2": "CIE 2015 2 Degree Standard Observer",
 }
 METALS: tuple[Metal, ...] = get_args(Metal)
+"""Whose reflectances are baked for the material."""
+INDEXED_METALS: tuple[IndexedMetal, ...] = get_args(IndexedMetal)
+"""Whose refractive indices are known."""
 ILLUMINANTS = ("D65", "A", "inverse-A", "LED-B1", "LED-B2", "LED-B3", "LED-B4", "LED-B5")
 
 WAVELENGTH_MIN = 0.38
@@ -128,10 +132,26 @@ def metal_reflectance(metal: Metal, wavelength: ArrayLike = WAVELENGTHS) -> Arra
     """
     if metal not in METALS:
         raise InputError("spectrum", "metal", metal, f"one of {', '.join(METALS)}")
+    index = refractive_index(metal, wavelength)
+    return np.abs((index - 1) / (index + 1)) ** 2
+
+
+def refractive_index(metal: IndexedMetal, wavelength: ArrayLike) -> NDArray[np.complex128]:
+    """N = n + ik of a metal, for waves that go with exp(−iωt); interpolated linearly.
+
+    Args:
+        metal: One of `INDEXED_METALS`.
+        wavelength: µm, 0.38 to 0.78.
+
+    Returns:
+        The shape of `wavelength`.
+
+    >>> print(f"{complex(refractive_index('iron', 0.549)):.2f}")
+    2.95+2.93j
+    """
     wavelength_um, n, k = _refractive_index(metal)
     λ = np.asarray(wavelength, dtype=np.float64)
-    index = np.interp(λ, wavelength_um, n) + 1j * np.interp(λ, wavelength_um, k)
-    return np.abs((index - 1) / (index + 1)) ** 2
+    return np.interp(λ, wavelength_um, n) + 1j * np.interp(λ, wavelength_um, k)
 
 
 def colour_weights(observer: Observer, light: str | Path) -> Array:
@@ -217,7 +237,7 @@ def _on_grid(wavelength: ArrayLike, values: ArrayLike) -> Array:
 
 
 @functools.cache
-def _refractive_index(metal: Metal) -> tuple[Array, Array, Array]:
+def _refractive_index(metal: IndexedMetal) -> tuple[Array, Array, Array]:
     text = resources.files("precompute").joinpath(f"data/metals/{metal}.csv").read_text("utf-8")
     rows = np.loadtxt(text.splitlines()[2:], delimiter=",")
     return rows[:, 0], rows[:, 1], rows[:, 2]

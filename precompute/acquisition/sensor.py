@@ -1,4 +1,4 @@
-"""What a camera's channels make of a spectrum: light, filter and sensitivity."""
+"""What a camera makes of light: its channels' sensitivity, filters, noise."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from precompute.acquisition.capture import Camera, Filter, FlashLight
+from precompute.acquisition.simulation import SensorNoise
+from precompute.files import written_aside
 from precompute.spectra import WAVELENGTHS, illuminant, spectral_columns
 
 Array = NDArray[np.float64]
@@ -76,3 +78,23 @@ def channel_weights(
     """
     name = folder / light.spectrum if light.spectrum.endswith(".csv") else light.spectrum
     return (illuminant(name) * transmittance(filter_))[:, None] * sensitivity
+
+
+def noisy(values: Array, sensor: SensorNoise, rng: np.random.Generator) -> Array:
+    """Light of full scale with the sensor's noise added, of any shape."""
+    if sensor.full_well is not None:
+        variance = np.maximum(values, 0) / sensor.full_well
+        variance += (sensor.read_noise / sensor.full_well) ** 2
+        return values + np.sqrt(variance) * rng.standard_normal(values.shape)
+    if sensor.noise_db is not None:
+        return values + 10 ** (-sensor.noise_db / 20) * rng.standard_normal(values.shape)
+    return values
+
+
+def write_response(file: Path, camera: Camera, response: Array) -> None:
+    """Write the sensitivity of a camera's channels, shape (401, channels), for a capture."""
+    lines = [",".join(["wavelength_um", *CHANNELS[camera.channels]])]
+    for λ, values in zip(WAVELENGTHS, response, strict=True):
+        lines.append(",".join([f"{λ:.3f}", *(f"{value:.6g}" for value in values)]))
+    with written_aside(file) as aside:
+        aside.write_text("\n".join(lines) + "\n", "utf-8")

@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from precompute.acquisition.capture import Bracket, Capture, Photograph, Point, Sample
+from precompute.acquisition.capture import Bracket, Capture, Photograph, Sample
 from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
 from precompute.acquisition.photographs import write_photograph
+from precompute.acquisition.pixel_points import pixel_points
 from precompute.acquisition.radiance import Lamp, Relief, foil_radiance
-from precompute.acquisition.sensor import CHANNELS, channel_weights, sensitivity
+from precompute.acquisition.sensor import channel_weights, noisy, sensitivity, write_response
 from precompute.acquisition.simulation import Flash, Simulation, read_simulation
-from precompute.acquisition.view import View
+from precompute.acquisition.view import View, corners_of, seen_at
 from precompute.bake import baked_maps
 from precompute.errors import InputError
 from precompute.files import written_aside
@@ -28,7 +29,7 @@ from precompute.maps import Map
 from precompute.profiles import Profile
 from precompute.progress import tracked
 from precompute.recipes import ProfileRecipe, read_recipe
-from precompute.spectra import WAVELENGTH_STEP, WAVELENGTHS
+from precompute.spectra import WAVELENGTH_STEP
 
 Array = NDArray[np.float64]
 
@@ -62,6 +63,10 @@ class Sheet:
     def inside(self, xy: Array) -> NDArray[np.bool_]:
         """Which points, shape (n, 2), mm, are on the sheet."""
         return np.all(np.abs(xy) <= self.size / 2, axis=1)
+
+    def texels_or_none(self, xy: Array) -> NDArray[np.intp]:
+        """`texels`, −1 beside the sheet."""
+        return np.where(self.inside(xy), self.texels(xy), -1)
 
     def texels(self, xy: Array) -> NDArray[np.intp]:
         """The texel that shows at points of the sheet, shape (n, 2), mm: flat indices."""
@@ -133,7 +138,7 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
     Raises:
         InputError: As `simulate_flash`.
     """
-    foil, profile = _foil(file, simulation)
+    foil, profile = foil_of(file, simulation.foil)
     rng = np.random.default_rng(simulation.seed)
     sheet = _sheet(simulation, foil, rng)
     response = sensitivity(simulation.camera, file.parent)
@@ -156,7 +161,7 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
             _written(simulation, flash, np.concatenate(rows), folder, f"flash-{index}", rng)
         )
         if flash.light.spectrum.endswith(".csv"):
-            _copied(file.parent / flash.light.spectrum, folder)
+            copied(file.parent / flash.light.spectrum, folder)
     _write_truth(foil, sheet, folder / "truth")
     stochastic = foil.recipe["design"] == "stochastic"
     capture = _capture(simulation, sheet, stochastic, photographs, response, folder)
@@ -164,12 +169,20 @@ def simulated(simulation: Simulation, file: Path, folder: Path) -> Path:
     return folder / "capture.json"
 
 
-def _foil(file: Path, simulation: Simulation) -> tuple[Map, Profile]:
-    named = file.parent / simulation.foil
-    recipe = read_recipe(named)
+def foil_of(file: Path, named: str) -> tuple[Map, Profile]:
+    """The map of the foil that a capture's recipe names, and its gratings' profile.
+
+    Args:
+        file: The capture's recipe.
+        named: The foil's, relative to it.
+
+    Raises:
+        InputError: It cannot be read, or is no foil's.
+    """
+    recipe = read_recipe(file.parent / named)
     if recipe.kind != "foil":
-        raise InputError(file, "foil", simulation.foil, "the recipe of a foil")
-    _, foil = next(iter(baked_maps(recipe, named)))
+        raise InputError(file, "foil", named, "the recipe of a foil")
+    _, foil = next(iter(baked_maps(recipe, file.parent / named)))
     profile = ProfileRecipe.model_validate({"kind": "profile", "profile": recipe.profile}).profile
     return foil, profile
 
@@ -214,26 +227,11 @@ def _strip(simulation: Simulation, sheet: Sheet, relief: Relief, lamp: Lamp, sta
     x, y = np.meshgrid(np.arange(width), np.arange(start, stop))
     pixels = np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
     view = View.of(simulation.camera, simulation.size_px)
-    steps = (np.arange(simulation.subpixels) + 0.5) / simulation.subpixels - 0.5
-    offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    seen = view.on_sample((pixels[:, None] + offsets).reshape(-1, 2))
-    texel = np.where(sheet.inside(seen), sheet.texels(seen), -1).reshape(len(pixels), -1)
-
-    # Where one grating fills a pixel its middle stands for it.
-    flat = [part.ravel() for part in vars(sheet.gratings).values()]
-    shown = np.stack([np.where(texel < 0, -1, part[texel]) for part in flat])
-    even = np.all(shown == shown[..., :1], axis=(0, 2))
-    middles = np.flatnonzero(even)
-    corners = np.flatnonzero(~even)
-    points = np.concatenate(
-        [view.on_sample(pixels[middles]), seen.reshape(*texel.shape, 2)[corners].reshape(-1, 2)]
+    points = pixel_points(
+        pixels, view.on_sample, sheet.texels_or_none, sheet.gratings, simulation.subpixels
     )
-    texels = np.concatenate([texel[middles, 0], texel[corners].ravel()])
-    pixel = np.concatenate([middles, np.repeat(corners, texel.shape[1])])
-    share = np.where(even, 1.0, 1 / texel.shape[1])[pixel]
-    radiance = share[:, None] * _points(simulation, sheet, relief, lamp, points, texels)
-    strip = [np.bincount(pixel, c, len(pixels)) for c in radiance.T]
-    return np.stack(strip, axis=-1).astype(np.float64).reshape(stop - start, width, -1)
+    radiance = _points(simulation, sheet, relief, lamp, points.xy, points.texels)
+    return points.gathered(radiance).reshape(stop - start, width, -1)
 
 
 def _points(
@@ -278,21 +276,13 @@ def _written(
     sensor = simulation.sensor
     brackets = []
     for index, exposure in enumerate(flash.exposures_s):
-        values = _noisy(exposure * radiance, simulation, rng)
+        values = noisy(exposure * radiance, sensor, rng)
         mark = f"-{index}" if len(flash.exposures_s) > 1 else ""
         file = folder / f"{name}{mark}.{sensor.file}"
         write_photograph(file, values, sensor.bits, simulation.camera, exposure)
         brackets.append(Bracket(file=file.name, exposure_s=exposure))
-    half_width, half_height = np.array(simulation.surface.size_mm) / 2
-    corners = _projected(
-        simulation,
-        [
-            (-half_width, half_height),
-            (half_width, half_height),
-            (half_width, -half_height),
-            (-half_width, -half_height),
-        ],
-    )
+    view = View.of(simulation.camera, simulation.size_px)
+    corners = seen_at(view, corners_of(simulation.surface.size_mm))
     light = flash.light.model_copy(update={"spectrum": Path(flash.light.spectrum).name})
     fields = {"light": light, "filter": flash.filter}
     if "photographs.corners_px" not in simulation.omit:
@@ -300,23 +290,6 @@ def _written(
     if len(brackets) > 1:
         return Photograph(brackets=tuple(brackets), **fields)
     return Photograph(file=brackets[0].file, exposure_s=brackets[0].exposure_s, **fields)
-
-
-def _noisy(values: Array, simulation: Simulation, rng: np.random.Generator) -> Array:
-    sensor = simulation.sensor
-    if sensor.full_well is not None:
-        variance = np.maximum(values, 0) / sensor.full_well
-        variance += (sensor.read_noise / sensor.full_well) ** 2
-        return values + np.sqrt(variance) * rng.standard_normal(values.shape)
-    if sensor.noise_db is not None:
-        return values + 10 ** (-sensor.noise_db / 20) * rng.standard_normal(values.shape)
-    return values
-
-
-def _projected(simulation: Simulation, points: list[Point]) -> tuple[Point, ...]:
-    view = View.of(simulation.camera, simulation.size_px)
-    seen = view.pixels(np.array([(x, y, 0.0) for x, y in points]))
-    return tuple((round(float(x), 3), round(float(y), 3)) for x, y in seen)
 
 
 def _capture(
@@ -331,7 +304,8 @@ def _capture(
     row, column = _middle(sheet.shifts)
     left, top = sheet.tile * [column, -row] + [-sheet.size[0] / 2, sheet.size[1] / 2]
     right, bottom = left + sheet.tile[0], top - sheet.tile[1]
-    tile = _projected(simulation, [(left, top), (right, top), (right, bottom), (left, bottom)])
+    corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
+    tile = seen_at(View.of(simulation.camera, simulation.size_px), corners)
     sample = {
         "size_mm": simulation.surface.size_mm,
         "stochastic": stochastic,
@@ -342,7 +316,7 @@ def _capture(
     camera = simulation.camera.model_dump(exclude={"spectral_response_csv"})
     if "spectral_response_csv" not in omit:
         camera["spectral_response_csv"] = "camera.csv"
-        _write_response(folder / "camera.csv", CHANNELS[simulation.camera.channels], response)
+        write_response(folder / "camera.csv", simulation.camera, response)
     return Capture(
         method="flash",
         sample=Sample(**{k: v for k, v in sample.items() if k not in omit}),
@@ -351,18 +325,10 @@ def _capture(
     )
 
 
-def _copied(file: Path, folder: Path) -> None:
+def copied(file: Path, folder: Path) -> None:
     """A file that the recipe names, beside the capture, which names it too."""
     with written_aside(folder / file.name) as aside:
         aside.write_bytes(file.read_bytes())
-
-
-def _write_response(file: Path, names: tuple[str, ...], response: Array) -> None:
-    lines = [",".join(["wavelength_um", *names])]
-    for λ, values in zip(WAVELENGTHS, response, strict=True):
-        lines.append(",".join([f"{λ:.3f}", *(f"{value:.6g}" for value in values)]))
-    with written_aside(file) as aside:
-        aside.write_text("\n".join(lines) + "\n", "utf-8")
 
 
 def _write_truth(foil: Map, sheet: Sheet, folder: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from precompute.acquisition.capture import Camera
+from precompute.acquisition.capture import Camera, Point
 
 Array = NDArray[np.float64]
 
@@ -84,6 +84,18 @@ class View:
         rays = np.concatenate([straight, np.ones((len(straight), 1))], axis=1) @ self.rotation
         along = np.where(rays[:, 2] < 0, -self.position[2] / rays[:, 2], np.nan)
         return self.position[:2] + along[:, None] * rays[:, :2]
+
+
+def corners_of(size_mm: tuple[float, float]) -> list[Point]:
+    """The corners of a sheet in its own frame, mm, clockwise from its top left."""
+    x, y = size_mm[0] / 2, size_mm[1] / 2
+    return [(-x, y), (x, y), (x, -y), (-x, -y)]
+
+
+def seen_at(view: View, points: list[Point]) -> tuple[Point, ...]:
+    """Where points of the plane z = 0, mm, are seen: px, as a capture file notes them."""
+    seen = view.pixels(np.array([(x, y, 0.0) for x, y in points]))
+    return tuple((round(float(x), 3), round(float(y), 3)) for x, y in seen)
 
 
 def pinhole(camera: Camera, focal_px: float, size_px: tuple[int, int]) -> Array:

@@ -131,6 +131,30 @@ class CirclesFoilRecipe(DrawnFoilRecipe):
     ground: bool = True
 
 
+class DiscFoilRecipe(FoilRecipe):
+    """One disc of concentric tracks, as on a compact disc: the grating vector is the radius.
+
+    Attributes:
+        period: Distance of the tracks, µm.
+        inner_mm: Radius of the first.
+        outer_mm: Radius of the last; half the tile if left out.
+    """
+
+    design: Literal["disc"]
+    period: Positive = 1.6
+    inner_mm: Annotated[float, Field(ge=0)] = 0.0
+    outer_mm: Annotated[float | None, Field(validate_default=True)] = None
+
+    @field_validator("outer_mm")
+    @classmethod
+    def _has_tracks(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if {"tile_mm", "inner_mm"} <= info.data.keys():
+            inner, half = info.data["inner_mm"], info.data["tile_mm"] / 2
+            if not inner < (half if value is None else value) <= half:
+                raise ValueError(f"above inner_mm, {inner:g}, and up to half the tile, {half:g} mm")
+        return value
+
+
 class SpiralDistribution(_Part):
     """Periods that grow with orientation over the half turn, about Gaussian in the period.
 
@@ -226,6 +250,10 @@ class StochasticFoilRecipe(FoilRecipe):
 
 
 AnyFoilRecipe: TypeAlias = Annotated[
-    PolygonsFoilRecipe | StarsFoilRecipe | CirclesFoilRecipe | StochasticFoilRecipe,
+    PolygonsFoilRecipe
+    | StarsFoilRecipe
+    | CirclesFoilRecipe
+    | DiscFoilRecipe
+    | StochasticFoilRecipe,
     Field(discriminator="design"),
 ]

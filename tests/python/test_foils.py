@@ -7,10 +7,12 @@ import pytest
 from refusals import refused
 
 from precompute.foils.circles import circles_foil
+from precompute.foils.disc import disc_foil
 from precompute.foils.foil_map import foil_axes, foil_map
 from precompute.foils.polygons import polygons_foil
 from precompute.foils.recipe import (
     CirclesFoilRecipe,
+    DiscFoilRecipe,
     PolygonsFoilRecipe,
     StarsFoilRecipe,
 )
@@ -283,3 +285,23 @@ def test_what_is_no_grating_is_refused(
     arrays = [np.full((4, 4), fields[name]) for name in ("orientation", "frequency", "strength")]
     with refused("foil map", field, value, expected):
         foil_map(*arrays, height=0.1, tile_mm=1.0, recipe={"profile": "sinusoidal"})
+
+
+def test_a_disc_s_grating_vectors_are_its_radii() -> None:
+    recipe = DiscFoilRecipe(
+        kind="foil", design="disc", size=64, tile_mm=32, inner_mm=6, outer_mm=14, period=1.5
+    )
+    values = disc_foil(recipe).tables["grating"].values
+    # Texels are half a millimetre; the one in row 16, column 48 is 8.25 mm right and 7.75 up.
+    assert orientation(values)[16, 48] == pytest.approx(np.rad2deg(np.arctan2(7.75, 8.25)))
+    assert orientation(values)[16, 15] == pytest.approx(180 - np.rad2deg(np.arctan2(7.75, 8.25)))
+    y, x = np.mgrid[:64, :64] / 2 - 15.75
+    radius = np.hypot(x, y)
+    assert np.array_equal(values[..., 3] == 1, (radius >= 6) & (radius <= 14))
+    assert np.all(values[..., 2] == 1 / 1.5)
+
+
+@pytest.mark.parametrize(("inner", "outer"), [(6, 5), (6, 17), (16, None)])
+def test_discs_that_have_no_tracks(inner: float, outer: float | None) -> None:
+    with pytest.raises(ValueError, match="up to half the tile, 16 mm"):
+        DiscFoilRecipe(kind="foil", design="disc", tile_mm=32, inner_mm=inner, outer_mm=outer)
