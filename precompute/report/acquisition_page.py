@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from precompute.report.acquisition import DESIGNS
+from precompute.report.acquisition_bars import acquisition_bars
 from precompute.report.page import table
 from precompute.report.rows import Acquisition
 
@@ -38,5 +39,9 @@ def acquisition_page(rows: list[Acquisition]) -> str:
         for design in DESIGNS
         for mark in ("", "-seed")
     ]
-    parts = ["# Acquired foils\n", TEXT, table([*header, ""], cells), *pictures]
+    bars = table(
+        ["asked", "bar", "measured", "", "worst in"],
+        [bar.cells() for bar in acquisition_bars(rows)],
+    )
+    parts = ["# Acquired foils\n", TEXT, bars, table([*header, ""], cells), *pictures]
     return "\n".join(parts)

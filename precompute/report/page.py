@@ -15,6 +15,9 @@ from precompute.report.timing import FRAMES, IRIDESCENT, LAUNCHES, STANDARD, WIT
 BAKE_PICTURE = "bake-cost.png"
 """File of the picture of `_bake_cost`, beside index.md."""
 
+ACQUIRED = " Foils acquired from photographs have [their own page](acquisition.md)."
+"""Made with whole reports, as bake costs are."""
+
 
 def index_page(report: Report, results: dict[str, SceneResult], lacking: list[str]) -> str:
     """The page's Markdown.
@@ -30,7 +33,7 @@ def index_page(report: Report, results: dict[str, SceneResult], lacking: list[st
     parts = [
         "# Error against run time\n",
         f"Made by `{report.generated_by}`, version {report.version}, on {report.backend}.\n",
-        f"{met} of {len(held)} bars are met.\n",
+        f"{met} of {len(held)} bars are met.{ACQUIRED if report.bake_cost else ''}\n",
         table(["asked", "bar", "measured", "", "worst in"], [bar.cells() for bar in bars]),
         _method_of_measurement(lacking),
         "## Added time\n",
