@@ -145,12 +145,17 @@ def calibrated(
     middle = _weighted_median(logarithm, _trust(fit))
     if is_one is None:
         is_one = _weighted_median(np.abs(logarithm - middle), _trust(fit)) < ONE_PERIOD
-    frequencies, shares = found.frequencies, found.shares
     if is_one:
         model = trial.one_period(roughness, middle)
         logarithm = np.log(model.tables[0].frequencies)
         frequencies = np.exp(logarithm + WIDE)
         shares = np.ones(len(WIDE))
+    else:
+        # Many texels are seen more than once, which says better than the mean what there is.
+        frequencies = found.frequencies
+        shares = _shares(fit, frequencies)
+        model, fit = trial.settled(roughness, frequencies, shares)
+        logarithm = np.log(fit.frequency)
     apparent = trial.apparent(roughness, frequencies, shares, logarithm)
     chance = CHANCE * max(np.max((w * dark) ** 2) for w, dark in zip(weights, noise, strict=True))
     return Calibration(
@@ -300,6 +305,14 @@ class _Trial:
 def _fitted(look: list[Strip], model: Model) -> Fit:
     with ThreadPoolExecutor(cpu_count()) as pool:
         return Fit.joined(pool.map(lambda strip: fit_strip(strip, model), look))
+
+
+def _shares(fit: Fit, frequencies: Array) -> Array:
+    """How common each frequency is by what was fitted, summing to 1, shape (F,)."""
+    place = np.interp(np.log(fit.frequency), np.log(frequencies), np.arange(len(frequencies)))
+    index = np.round(place).astype(np.intp)
+    common = np.bincount(index, _trust(fit), len(frequencies))
+    return common / common.sum()
 
 
 def _trust(fit: Fit) -> Array:
