@@ -174,7 +174,7 @@ def simulate_polarization(
 @acquire.command("flash")
 def acquire_flash(
     capture: Annotated[
-        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/capture-format.md.")
+        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/acquisition.md.")
     ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")

@@ -1,4 +1,4 @@
-"""The capture file: what an acquisition is told of its photographs (docs/capture-format.md).
+"""The capture file: what an acquisition is told of its photographs (docs/acquisition.md).
 
 Sample frame: origin at the sample's centre, x right, y up, z out of the sample towards the camera,
 in mm. Pixels: (0, 0) is the centre of the top-left pixel, x right, y down.

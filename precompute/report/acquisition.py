@@ -20,6 +20,7 @@ from precompute.acquisition.simulation import Simulation, read_simulation
 from precompute.acquisition.tiling import Tiling
 from precompute.maps import Map
 from precompute.metrics import relative_rmse
+from precompute.report.acquisition_polarization import polarization_model_rows
 from precompute.report.acquisition_spiral import spiral_rows
 from precompute.report.browser import ROOT
 from precompute.report.rows import Acquisition
@@ -30,7 +31,7 @@ CAPTURES = ROOT / "maps" / "captures"
 DESIGNS = ("polygons", "stars", "circles", "periods")
 SHIFTS_PX = (0, 1, 2, 3)
 COUNT = 4 + 6 * len(SHIFTS_PX) + 12 * len(DESIGNS)
-"""Of rows, but for those of the spiral, which come last."""
+"""Of rows, but for those of the spiral and of polarised light, which come last."""
 
 PIXEL_MM = 0.25
 """Of flash-shifted: by how much tiles are off in pixels."""
@@ -134,7 +135,7 @@ def acquisition_rows(pictures: Path) -> Iterator[Acquisition]:
     """All rows as they are measured: some ten minutes.
 
     Args:
-        pictures: Folder for pictures of the round trips.
+        pictures: Folder for pictures of the round trips and of orientations in polarised light.
     """
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
@@ -143,6 +144,7 @@ def acquisition_rows(pictures: Path) -> Iterator[Acquisition]:
         for design in DESIGNS:
             yield from _design_rows(design, work, pictures)
     yield from spiral_rows(ROOT)
+    yield from polarization_model_rows(pictures)
 
 
 def _period_rows(work: Path) -> Iterator[Acquisition]:

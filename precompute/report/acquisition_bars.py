@@ -22,6 +22,9 @@ NOT_SEEN = 0.02
 VARYING_PERIOD = 0.03
 """Relative error of a period that varies over the tile."""
 
+SINE = 0.002
+"""RMS distance from a sine of what a polariser lets through, over its mean."""
+
 DESIGNS = ("flash-polygons", "flash-stars", "flash-circles", "flash-periods")
 
 
@@ -54,6 +57,8 @@ def acquisition_bars(rows: list[Acquisition]) -> Iterator[Bar]:
     varying = "varying period, relative error, "
     for name, limit in (("median", VARYING_PERIOD), ("95th percentile of", None)):
         yield from held(varying + name.split(" of")[0], limit, f"period, {name} error", DESIGNS[-1])
+    sine = ("RMS from it, over the mean", "polarization-model, sine, r of 0.5 to 1.5")
+    yield from held("polarised light, RMS from a sine", SINE, *sine)
     another = "relative RMSE under another light"
     yield from held("designs, relative RMSE under another light", None, another, *DESIGNS)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from precompute.report.acquisition import DESIGNS
 from precompute.report.acquisition_bars import acquisition_bars
+from precompute.report.acquisition_polarization import PICTURE
 from precompute.report.page import table
 from precompute.report.rows import Acquisition
 
@@ -12,6 +13,14 @@ of noise, bumps and tiles off their places, and solved by `diffraction acquire f
 those of all texels that diffract in truth, edges and texels that no photograph shows included; of
 periods at one wavelength, those of texels that are seen. *seed* marks the 2018 paper's method: the
 brightest observation decides, tiles lie where they are marked.
+"""
+
+POLARISED = """### Polarised light
+
+*polarization-model* is the light of gratings under retarding plastic through a turning polariser,
+without camera and noise; orientations are half the phase of what is fitted to it, photographs being
+taken as they are, or over their means. Metals are those of facets at 10° to the light; ζ is the
+phase of a ratio of 1.001, here under plastic of 3°:
 """
 
 
@@ -43,5 +52,6 @@ def acquisition_page(rows: list[Acquisition]) -> str:
         ["asked", "bar", "measured", "", "worst in"],
         [bar.cells() for bar in acquisition_bars(rows)],
     )
-    parts = ["# Acquired foils\n", TEXT, bars, table([*header, ""], cells), *pictures]
+    polarised = f"{POLARISED}\n![orientations in polarised light]({PICTURE})\n"
+    parts = ["# Acquired foils\n", TEXT, bars, table([*header, ""], cells), *pictures, polarised]
     return "\n".join(parts)
