@@ -29,7 +29,7 @@ def test_without_retardation_half_the_phase_is_the_orientation(is_normalised: bo
 
 
 def test_retarding_plastic_is_harmless_over_the_means_only() -> None:
-    """sin 2Δ = 0.105 from the mirror, A = 0.14 from gratings: half of arcsin(0.75) is 24 degrees."""
+    """sin 2Δ = 0.105 from the mirror, A = 0.14 from gratings: half of arcsin(0.75), 24 deg."""
     plastic = Plastic(np.radians(3))
     assert off_deg(found_orientations(RATIO, plastic, False)).max() == pytest.approx(24, abs=1)
     assert off_deg(found_orientations(RATIO, plastic, True)).max() < 0.2
