@@ -139,6 +139,35 @@ def evaluate(
                     csv.writer(file, lineterminator="\n").writerows(rows)
 
 
+@app.command()
+def edit(
+    foil: Annotated[Path, typer.Argument(metavar="MAP", help="Of kind foil.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, with its folder.")
+    ],
+    edits: Annotated[
+        list[str],
+        typer.Option(
+            "--edit",
+            "-e",
+            metavar="EDIT",
+            help="period, mask, crop, repeat, rotate, rescale or offset with its fields, as in "
+            "'rotate degrees=90'; one after the other. See docs/map-format.md.",
+        ),
+    ],
+) -> None:
+    """Make a foil of a foil: NAME.json, whose recipe tells the edits, and its images."""
+    from precompute.foils.edit_lines import parsed
+    from precompute.foils.edits import edited_map
+    from precompute.maps import Map, sidecar_file
+
+    with one_line_errors():
+        lines = [parsed(line) for line in edits]
+        edited = edited_map(Map.read(foil), sidecar_file(foil), lines, Path())
+        for file in edited.write(output.parent, output.name.removesuffix(".json")):
+            console.print(str(file), markup=False, soft_wrap=True)
+
+
 @simulate.command("flash")
 def simulate_flash(
     recipe: Annotated[Path, typer.Argument(metavar="RECIPE.json", help="Of kind flash-capture.")],

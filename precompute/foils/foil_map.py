@@ -50,12 +50,34 @@ def foil_map(
     _check("orientation", θ, np.isfinite(θ), "finite angles, rad")
     _check("strength", s, (s >= 0) & (s <= 1), "0 to 1")
     _check("frequency", f, np.isfinite(f) & (f >= 0) & ((f > 0) | (s == 0)), "above 0 (1/µm)")
+    values = np.stack([np.cos(2 * θ), np.sin(2 * θ), f, s], axis=-1)
+    return map_of_texels(values, height=height, tile_mm=tile_mm, recipe=recipe)
+
+
+def map_of_texels(
+    values: Array,
+    *,
+    height: float,
+    tile_mm: float | tuple[float, float],
+    recipe: dict[str, Any],
+) -> Map:
+    """A map of texels as they are stored: `foil_map` without its checks.
+
+    Args:
+        values: `CHANNELS` of each texel, shape (rows, columns, 4).
+        height: As for `foil_map`, as what follows.
+        tile_mm: Width and height of the map, mm.
+        recipe: What the map was made from.
+
+    Raises:
+        InputError: Nothing diffracts.
+    """
+    f, s = values[..., 2], values[..., 3]
     diffracting = f[s > 0]
     if diffracting.size == 0:
         raise InputError("foil map", "strength", 0.0, "above 0 somewhere")
     top = float(f.max())
     decode = ((-1.0, 2.0), (-1.0, 2.0), (0.0, top), (0.0, 1.0))
-    values = np.stack([np.cos(2 * θ), np.sin(2 * θ), f, s], axis=-1)
     off = total = 0.0
     for c, (offset, scale) in enumerate(decode):  # one after the other: photographs are large
         channel = values[..., c]
@@ -67,7 +89,7 @@ def foil_map(
         kind="foil",
         quantity="grating at each point of a foil",
         symbol="(theta, 1/a, strength)",
-        tables={"grating": Table(values, foil_axes(*θ.shape), CHANNELS, "uint8", decode)},
+        tables={"grating": Table(values, foil_axes(*f.shape), CHANNELS, "uint8", decode)},
         error={
             "relative_rms": float(np.sqrt(off / total)),
             "against": "the map before 8-bit rounding",
