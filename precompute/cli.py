@@ -261,6 +261,62 @@ def acquire_flash(
             write_pictures(acquired, debug)
 
 
+@acquire.command("polarization")
+def acquire_polarization(
+    capture: Annotated[
+        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/capture-format.md.")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
+    ],
+    size: Annotated[
+        tuple[int, int] | None,
+        typer.Option(help="Columns and rows of the map.", show_default="as the photographs"),
+    ] = None,
+    height: Annotated[
+        float, typer.Option(help="Of the gratings, µm: photographs do not tell it.")
+    ] = 0.15,
+    offset: Annotated[
+        float | None,
+        typer.Option(metavar="DEG", help="Of orientations from half of phases; 0 without it."),
+    ] = None,
+    period: Annotated[float | None, typer.Option(help="Of all gratings, µm.")] = None,
+    periods: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="Shortest and longest, µm, told by brightness: a heuristic."),
+    ] = None,
+    debug: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
+    ] = None,
+) -> None:
+    """A foil's map from photographs through a turning polariser, and NAME.report.json."""
+    from math import radians
+
+    from precompute.acquisition.polarization import PolarizationOptions
+    from precompute.acquisition.polarization import acquire_polarization as acquired_from
+    from precompute.acquisition.polarization_pictures import write_pictures
+    from precompute.acquisition.refusal_pictures import drawn
+
+    def draw(error: InputError) -> InputError:
+        if debug is None:
+            return drawn(error, output.parent, f"{output.name}.")
+        return drawn(error, debug, "")
+
+    with one_line_errors(draw):
+        if period is not None and periods is not None:
+            raise InputError("options", "period", period, "--period or --periods, not both")
+        told = (period, period) if period is not None else periods
+        turn = None if offset is None else radians(offset)
+        options = PolarizationOptions(size, height, turn, told)
+        acquired = acquired_from(capture, options, _remark)
+        acquired.foil.write(output.parent, output.name)
+        acquired.report.write(output.parent / f"{output.name}.report.json")
+        for line in acquired.report.lines():
+            console.print(line, markup=False, soft_wrap=True)
+        if debug is not None:
+            write_pictures(acquired, debug)
+
+
 def _remark(text: str) -> None:
     console.print(text, style="yellow", markup=False, soft_wrap=True)
 

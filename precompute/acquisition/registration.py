@@ -1,0 +1,147 @@
+"""By how much a camera moved between two photographs of a foil through a turning polariser.
+
+The polariser changes which pieces are brighter than their neighbours, and may turn their contrast
+round; it leaves edges where they are. So sizes of gradients are compared: roughly by phase
+correlation, then by ECC (Evangelidis and Psarakis 2008) from coarse to fine.
+
+Comparing light itself with what a harmonic of the other photographs foretells does no better: moves
+that are a harmonic of ψ themselves look like modulated edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Picture = NDArray[np.float32]
+
+LONGEST = 2048
+"""Longest side, px, at which photographs are compared: larger ones are reduced, and what is then
+found to some hundredths of these pixels is as many times as much of theirs."""
+
+COARSEST = 128
+"""Shortest side, px, at which a search begins."""
+
+BLUR = 1.0
+"""Standard deviation, px, by which pictures are blurred before gradients are taken."""
+
+SMOOTHED = 5
+"""Side, px, of the Gaussian that ECC smooths gradients by: it interpolates them linearly, which
+their sizes, bent where a gradient is 0, do not suit. Unsmoothed, moves are off twice as much."""
+
+STEPS, ENOUGH = 60, 1e-6
+"""Of ECC at one size: most, and by how much its correlation grows when it stops."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """How a photograph lies on another.
+
+    Attributes:
+        shift: What it shows is so far off, px, shape (2,): x right, y down.
+        turn: And turned by so much about the picture's middle, clockwise as it is seen, rad.
+        quality: Correlation of the gradients' sizes once it is moved back, −1 to 1; 0 where no such
+            move was found.
+    """
+
+    shift: Array
+    turn: float
+    quality: float
+
+    def moved(self, pixels: Array, size: tuple[int, int]) -> Array:
+        """Where the photograph shows what the other one shows at pixels x, y.
+
+        Args:
+            pixels: Shape (n, 2).
+            size: Width and height of both.
+        """
+        middle = (np.array(size) - 1) / 2
+        x, y = (pixels - middle).T
+        cosine, sine = np.cos(self.turn), np.sin(self.turn)
+        turned = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+        return turned + middle + self.shift
+
+
+class Outlines:
+    """A photograph's edges, of whatever contrast: what tells how it lies on another.
+
+    Args:
+        light: Shape (height, width).
+    """
+
+    def __init__(self, light: Picture) -> None:
+        height, width = light.shape
+        self.size = width, height
+        self.factor = max(1, -(-max(light.shape) // LONGEST))
+        small = _reduced(light, self.factor)
+        self.levels = [_gradients(small)]
+        while min(small.shape) >= 2 * COARSEST:
+            small = _reduced(small, 2)
+            self.levels.append(_gradients(small))
+
+    def move_of(self, other: Outlines) -> Move:
+        """How another photograph of the same size lies on this one.
+
+        Nothing is said of whether it does: a quality near 0 says that it does not.
+        """
+        still, moving = self.levels[-1], other.levels[-1]
+        window = cv2.createHanningWindow(still.shape[::-1], cv2.CV_32F)
+        # OpenCV 5.0 multiplies its arguments by the window where their size suits it.
+        shift, _ = cv2.phaseCorrelate(still.copy(), moving.copy(), window)
+        rough = np.array([[1, 0, shift[0]], [0, 1, shift[1]]])
+        # From where it is, too: phase correlation may err, and most cameras stand still.
+        starts = (np.eye(2, 3), rough)
+        quality, warp = max(
+            (self._refined(other, start) for start in starts), key=lambda found: found[0]
+        )
+        warp = _enlarged(warp, self.factor)
+        middle = (np.array(self.size) - 1) / 2
+        offset = warp[:, :2] @ middle + warp[:, 2] - middle
+        return Move(offset, float(np.arctan2(warp[1, 0], warp[0, 0])), quality)
+
+    def _refined(self, other: Outlines, warp: Array) -> tuple[float, Array]:
+        """Quality and warp at the finest level, from a start at the coarsest."""
+        quality = 0.0
+        for level in range(len(self.levels) - 1, -1, -1):
+            quality, warp = _ecc(self.levels[level], other.levels[level], warp)
+            if level > 0:
+                warp = _enlarged(warp, 2)
+        return quality, warp
+
+
+def _ecc(still: Picture, moving: Picture, start: Array) -> tuple[float, Array]:
+    """The correlation of two pictures and the warp between them, shape (2, 3)."""
+    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, STEPS, ENOUGH)
+    warp = start.astype(np.float32)
+    everywhere = np.ones(still.shape, np.uint8)
+    try:
+        quality, warp = cv2.findTransformECC(
+            still, moving, warp, cv2.MOTION_EUCLIDEAN, criteria, everywhere, SMOOTHED
+        )
+    except cv2.error:  # it does not converge, or leaves nothing that overlaps
+        return 0.0, start
+    return float(quality), np.asarray(warp, np.float64)
+
+
+def _enlarged(warp: Array, factor: int) -> Array:
+    """The warp once pictures are so much larger: what is at x is at factor (x + 1/2) − 1/2 then."""
+    half = np.full(2, (factor - 1) / 2)
+    linear = warp[:, :2]
+    return np.column_stack([linear, factor * warp[:, 2] + half - linear @ half])
+
+
+def _reduced(picture: Picture, factor: int) -> Picture:
+    height, width = (side // factor for side in picture.shape)
+    whole = picture[: height * factor, : width * factor]
+    small = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+    return np.asarray(small, np.float32)
+
+
+def _gradients(picture: Picture) -> Picture:
+    soft = cv2.GaussianBlur(picture, (0, 0), BLUR)
+    x, y = (cv2.Sobel(soft, cv2.CV_32F, *order, ksize=3) for order in ((1, 0), (0, 1)))
+    return np.asarray(cv2.magnitude(x, y), np.float32)
