@@ -236,14 +236,9 @@ def acquire_flash(
     from precompute.acquisition.flash import FlashOptions
     from precompute.acquisition.flash import acquire_flash as acquired_from
     from precompute.acquisition.pictures import write_pictures
-    from precompute.acquisition.refusal_pictures import drawn
     from precompute.acquisition.stochastic_report import acquire_stochastic
 
-    def draw(error: InputError) -> InputError:
-        if debug is None:
-            return drawn(error, output.parent, f"{output.name}.")
-        return drawn(error, debug, "")
-
+    draw = _drawing(output, debug)
     with one_line_errors(draw):
         told = read_capture(capture, "flash")
         if told.sample.stochastic:
@@ -264,7 +259,7 @@ def acquire_flash(
 @acquire.command("polarization")
 def acquire_polarization(
     capture: Annotated[
-        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/capture-format.md.")
+        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/acquisition.md.")
     ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
@@ -285,6 +280,9 @@ def acquire_polarization(
         tuple[float, float] | None,
         typer.Option(help="Shortest and longest, µm, told by brightness: a heuristic."),
     ] = None,
+    passes: Annotated[
+        int, typer.Option(help="Of a filter that takes noise and bumps out of orientations.")
+    ] = 3,
     debug: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
     ] = None,
@@ -295,19 +293,14 @@ def acquire_polarization(
     from precompute.acquisition.polarization import PolarizationOptions
     from precompute.acquisition.polarization import acquire_polarization as acquired_from
     from precompute.acquisition.polarization_pictures import write_pictures
-    from precompute.acquisition.refusal_pictures import drawn
 
-    def draw(error: InputError) -> InputError:
-        if debug is None:
-            return drawn(error, output.parent, f"{output.name}.")
-        return drawn(error, debug, "")
-
+    draw = _drawing(output, debug)
     with one_line_errors(draw):
         if period is not None and periods is not None:
             raise InputError("options", "period", period, "--period or --periods, not both")
         told = (period, period) if period is not None else periods
         turn = None if offset is None else radians(offset)
-        options = PolarizationOptions(size, height, turn, told)
+        options = PolarizationOptions(size, height, turn, told, passes)
         acquired = acquired_from(capture, options, _remark)
         acquired.foil.write(output.parent, output.name)
         acquired.report.write(output.parent / f"{output.name}.report.json")
@@ -315,6 +308,15 @@ def acquire_polarization(
             console.print(line, markup=False, soft_wrap=True)
         if debug is not None:
             write_pictures(acquired, debug)
+
+
+def _drawing(output: Path, debug: Path | None) -> Callable[[InputError], InputError]:
+    """Draws what errors saw, beside the output or among the pictures of every step."""
+    from precompute.acquisition.refusal_pictures import drawn
+
+    if debug is None:
+        return lambda error: drawn(error, output.parent, f"{output.name}.")
+    return lambda error: drawn(error, debug, "")
 
 
 def _remark(text: str) -> None:
