@@ -29,9 +29,6 @@ Mask = NDArray[np.bool_]
 JUDGED = 2**20
 """Pixels, picked evenly, over which means and the circle are found."""
 
-ROUNDS = 2
-"""Of finding who diffracts by the means of who does: bare pixels dilute the first ones."""
-
 DARK = 0.03
 """Of the brightness that a tenth of pixels exceed: what is darker shows no grating."""
 
@@ -76,16 +73,10 @@ def diffracting(light: Pixels, polariser: Array) -> Diffracting:
     """
     step = max(1, round(float(np.sqrt(light[0].size / JUDGED))))
     some = np.asarray(light[:, ::step, ::step])
-    mask = np.asarray(np.isfinite(some).all(axis=0))
-    _check_any(mask)
-    harmonics, circle = Harmonics.of(polariser, photograph_means(some, mask)), None
-    for _ in range(ROUNDS):
-        fit = fitted(some, harmonics)
-        bright = _bright(fit)
-        circle = phase_circle(modulations(fit)[bright])
-        mask = _mask(centred(fit, circle), bright, circle, polariser)
-        _check_any(mask)
-        harmonics = Harmonics.of(polariser, photograph_means(some, mask))
+    known = np.asarray(np.isfinite(some).all(axis=0))
+    _check_any(known)
+    # Over bare pixels too: what they add to the means moves all points alike, as the circle is.
+    harmonics = Harmonics.of(polariser, photograph_means(some, known))
     fit = fitted(some, harmonics)
     circle = phase_circle(modulations(fit)[_bright(fit)])
     fit = centred(fitted(light, harmonics), circle)

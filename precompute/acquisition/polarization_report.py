@@ -24,7 +24,7 @@ class PhotographLaid(_Part):
         polariser_deg: Its polariser, as noted.
         shift_px: By how much it is off the first.
         turn_deg: By how much it is turned, clockwise as it is seen.
-        quality: Correlation of its edges with the first's, once it is laid on it.
+        quality: Correlation of its edges with the first's within the sample, once it is laid on it.
         clipped: Share of the sample.
     """
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -15,7 +15,7 @@ from precompute.acquisition.capture import Capture
 from precompute.acquisition.corners import find_corners
 from precompute.acquisition.evidence import Evidence, Mark, PhotographError, outline
 from precompute.acquisition.photographs import Photo, read_photographs
-from precompute.acquisition.rectification import Rectification
+from precompute.acquisition.rectification import Rectification, corners_mm
 from precompute.acquisition.registration import Move, Outlines
 from precompute.acquisition.view import View
 from precompute.errors import InputError
@@ -23,9 +23,9 @@ from precompute.errors import InputError
 Array = NDArray[np.float64]
 Picture = NDArray[np.float32]
 
-LIKE = 0.5
-"""Quality of a move from which a photograph shows what the first one does: of the same foil it is
-0.87 or more, of another thing 0.05, of the same sheet with another print 0.2."""
+LIKE = 0.3
+"""Likeness from which a photograph shows what the first one does: of the same foil it is 0.5 to 1,
+of another in the same place 0.2 or less."""
 
 FLAT = 0.005
 """Contrast of a photograph, over its median, below which nothing can be told by it."""
@@ -53,7 +53,8 @@ class RegisteredLight:
     Attributes:
         names: Of the photographs.
         polariser: ψ of each, rad.
-        moves: How each lies on the first.
+        moves: How each lies on the first, their quality being `Outlines.likeness` within the
+            sample.
         rectification: Of the first.
         light: The mean of a pixel's channels, shape (photographs, rows, columns), mapped from a
             file that is gone when this is; NaN where a photograph is clipped or ends.
@@ -101,6 +102,8 @@ def registered_light(
                 light = np.memmap(file, np.float32, "w+", shape=shape)
         else:
             move = reference.move_of(outlines)
+            corners = rectification.pixels(corners_mm(capture.sample.size_mm))
+            move = replace(move, quality=reference.likeness(outlines, move, corners))
             _check_move(folder, photo, move, names[0])
         places = _Places(rectification, move, photo.size, capture.sample.size_mm)
         clipped.append(_clipped(folder, photo, places, rectification, capture.sample.size_mm))

@@ -33,6 +33,9 @@ SMOOTHED = 5
 """Side, px, of the Gaussian that ECC smooths gradients by: it interpolates them linearly, which
 their sizes, bent where a gradient is 0, do not suit. Unsmoothed, moves are off twice as much."""
 
+INSET = 0.96
+"""Part of a sheet's sides within which its print is compared."""
+
 STEPS, ENOUGH = 60, 1e-6
 """Of ECC at one size: most, and by how much its correlation grows when it stops."""
 
@@ -102,6 +105,38 @@ class Outlines:
         middle = (np.array(self.size) - 1) / 2
         offset = warp[:, :2] @ middle + warp[:, 2] - middle
         return Move(offset, float(np.arctan2(warp[1, 0], warp[0, 0])), quality)
+
+    def likeness(self, other: Outlines, move: Move, corners: Array) -> float:
+        """How well edges of another photograph lie on this one's within a quadrilateral.
+
+        A sheet's own outline is the same whatever is printed on it, and left out by that.
+
+        Args:
+            other: The photograph.
+            move: How it lies on this one.
+            corners: Of the quadrilateral in this one, px, shape (4, 2).
+
+        Returns:
+            Correlation of the gradients' sizes, −1 to 1.
+        """
+        still = self.levels[0]
+        height, width = still.shape
+        ends = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+        to = move.moved(ends * self.factor, self.size) / self.factor
+        warp = cv2.getAffineTransform(ends.astype(np.float32), to.astype(np.float32))
+        moved = cv2.warpAffine(
+            other.levels[0], warp, (width, height), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        )
+        middle = corners.mean(axis=0)
+        inside = np.zeros(still.shape, np.uint8)
+        inner = (middle + INSET * (corners - middle)) / self.factor
+        cv2.fillConvexPoly(inside, np.round(inner).astype(np.int32), (1,))
+        one, two = (
+            cv2.GaussianBlur(sizes, (SMOOTHED, SMOOTHED), 0)[inside > 0] for sizes in (still, moved)
+        )
+        if min(float(one.std()), float(two.std())) == 0:
+            return 0.0
+        return float(np.corrcoef(one, two)[0, 1])
 
     def _refined(self, other: Outlines, warp: Array) -> tuple[float, Array]:
         """Quality and warp at the finest level, from a start at the coarsest."""

@@ -184,7 +184,7 @@ def test_the_report_says_what_was_seen(capture: Path, solved: Path) -> None:
         # The simulated pixel has 4 × 4 points: the sheet's edge is told to an eighth of one.
         assert photograph.shift_px == pytest.approx(truth["shift_px"], abs=0.15)
         assert photograph.turn_deg == pytest.approx(truth["turn_deg"], abs=0.15)
-        assert photograph.quality > 0.7 and photograph.clipped == 0
+        assert photograph.quality > 0.4 and photograph.clipped == 0
     moved = [truth["shift_px"] for truth in told(capture)["photographs"]]
     assert np.abs(moved).max() > 0.8  # else nothing was asked
     assert report.angles == 5 and report.size == (96, 96)
@@ -353,6 +353,25 @@ def test_something_else_does_not_lie_on_it() -> None:
     assert first.move_of(Outlines(np.ones((200, 200), np.float32))).quality == 0
 
 
+def test_likeness_is_that_of_the_print() -> None:
+    size, frame = (200, 200), np.full((200, 200), 40, np.float32)
+    still = Move(np.zeros(2), 0.0, 1.0)
+    truth = Move(np.array([2.5, -1.5]), 0.01, 1.0)
+    corners = np.array([[40.0, 40], [160, 40], [160, 160], [40, 160]])
+
+    def framed(move: Move, contrast: float) -> Outlines:
+        picture = frame.copy()
+        picture[30:170, 30:170] = scene(move, size, contrast)[30:170, 30:170]
+        return Outlines(picture)
+
+    first = framed(still, 1)
+    assert first.likeness(framed(truth, -0.7), truth, corners) > 0.95
+    assert first.likeness(framed(truth, 1), still, corners) < 0.85  # 3 px off
+    other = Move(np.array([80.0, 50.0]), 1.0, 1.0)  # another part of the pattern
+    assert abs(first.likeness(framed(other, 1), still, corners)) < 0.3
+    assert first.likeness(Outlines(frame), still, corners) == 0
+
+
 # ---- Which pixels diffract -----------------------------------------------------------------------
 
 
@@ -364,12 +383,12 @@ def noisy_light(noise: float, ψ: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
     diffracts = (x // 12) % 4 > 0
     own = 0.1 * np.cos(2 * (ψ[:, None, None] - θ))
     common = 1 + 0.15 * np.sin(2 * (ψ[:, None, None] - 0.4))
-    light = np.where(diffracts, 0.8 * (common + own), 1.3 * common)
+    light = np.where(diffracts, 0.8 * (common + own), 0.8 * common)
     light = light + noise * rng.standard_normal(light.shape)
     return light.astype(np.float32), θ, diffracts
 
 
-@pytest.mark.parametrize("noise, wrong", [(0.001, 0.002), (0.02, 0.05), (0.08, 0.2)])
+@pytest.mark.parametrize("noise, wrong", [(0.001, 0.002), (0.02, 0.05), (0.08, 0.15)])
 def test_bare_mirrors_are_told_from_gratings(noise: float, wrong: float) -> None:
     """Also where noise in radii is half the radius, from neighbours then."""
     ψ = np.radians(np.arange(8) * 22.5)
@@ -384,6 +403,17 @@ def test_bare_mirrors_are_told_from_gratings(noise: float, wrong: float) -> None
     if noise < 0.05:
         assert np.std(off) == pytest.approx(expected, rel=0.2, abs=0.3)
         assert np.degrees(np.median(found.noise[believed])) / 2 == pytest.approx(expected, rel=0.2)
+
+
+def test_what_is_dark_does_not_diffract() -> None:
+    """Of a hundredth of the brightness noise is half the light, whatever its phase is."""
+    ψ = np.radians(np.arange(8) * 22.5)
+    light, _, diffracts = noisy_light(0.004, ψ)
+    rng = np.random.default_rng(6)
+    light[:, :30] = 0.008 + 0.004 * rng.standard_normal((8, 30, 120))
+    found = diffracting(light, ψ)
+    assert not found.mask[:28].any()
+    assert np.mean(found.mask[32:] != diffracts[32:]) < 0.01
 
 
 def test_three_photographs_take_noise_from_the_circle() -> None:
@@ -431,6 +461,7 @@ def test_fewer_than_three_angles(capture: Path, tmp_path: Path, angles: list[flo
             photograph["polariser_deg"] = angle
 
     message = refusal(changed(capture, tmp_path, turned))
+    assert "photographs.polariser_deg" in message  # before any of them is read
     assert "three angles that differ modulo 180°, not 2" in message
 
 
@@ -443,6 +474,16 @@ def test_a_photograph_of_something_else(capture: Path, tmp_path: Path) -> None:
     assert NAMES[2] in message and "registration = 'shift (" in message and "quality 0." in message
     assert message.endswith(f"see {tmp_path / 'refused.polarization-2.tif.refused.png'}")
     assert (tmp_path / "refused.polarization-2.tif.refused.png").exists()
+
+
+def test_a_photograph_of_another_foil_in_its_place(capture: Path, tmp_path: Path) -> None:
+    """The sheet's outline is where it was; what is printed on it is not."""
+
+    def turned(fields: dict[str, Any], folder: Path) -> None:
+        repainted(folder, NAMES[2], lambda n: n[::-1, ::-1])
+
+    message = refusal(changed(capture, tmp_path, turned))
+    assert NAMES[2] in message and "registration = " in message
 
 
 def test_a_photograph_that_is_flat(capture: Path, tmp_path: Path) -> None:
