@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from precompute.acquisition.evidence import shown
 from precompute.acquisition.flash import Acquired
+from precompute.acquisition.map_figure import map_figure
 from precompute.acquisition.observations import Shot, half_vectors, looked_up, observed
 from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
 from precompute.acquisition.radiance import Lamp, Relief, foil_radiance
@@ -69,11 +70,11 @@ def _figures(acquired: Acquired) -> Iterator[tuple[str, Figure]]:
     extent = (0, float(acquired.tiling.size[0]), 0, float(acquired.tiling.size[1]))
     full = np.ones_like(gratings.strength)
     rgb = hsv_to_rgb(np.stack([gratings.orientation / np.pi, full, gratings.strength], axis=-1))
-    yield "orientation", _map(rgb, extent, "orientation (deg)", "hsv", (0, 180))
+    yield "orientation", map_figure(rgb, extent, "orientation (deg)", "hsv", (0, 180))
     period = 1 / gratings.frequency
-    yield "period", _map(period, extent, "period (µm)", "viridis", None)
+    yield "period", map_figure(period, extent, "period (µm)", "viridis", None)
     confidence = acquired.completed.confidence
-    yield "confidence", _map(confidence, extent, "confidence", "magma", (0, 1))
+    yield "confidence", map_figure(confidence, extent, "confidence", "magma", (0, 1))
     for number in range(len(_shots(acquired))):
         yield f"rendering-{number}", _rendering(acquired, number)
 
@@ -155,22 +156,6 @@ def _lit(acquired: Acquired) -> Figure:
         lit = best > threshold * np.percentile(best, 99.9)
         axes.imshow(lit, cmap="gray", vmin=0, vmax=1)
         axes.set(title=f"{threshold:g} of the brightest: {lit.mean():.0%}", xticks=[], yticks=[])
-    return figure
-
-
-def _map(
-    values: Array,
-    extent: tuple[float, float, float, float],
-    label: str,
-    colours: str,
-    limits: tuple[float, float] | None,
-) -> Figure:
-    figure = Figure((7, 6), layout="constrained")
-    axes = figure.subplots()
-    low, high = limits or (None, None)
-    image = axes.imshow(values, extent=extent, cmap=colours, vmin=low, vmax=high)
-    figure.colorbar(image, ax=axes, label=label)
-    axes.set(xlabel="mm", ylabel="mm")
     return figure
 
 

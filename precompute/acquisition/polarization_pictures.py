@@ -10,6 +10,7 @@ from matplotlib.colors import hsv_to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from precompute.acquisition.map_figure import map_figure
 from precompute.acquisition.phase_circle import modulations
 from precompute.acquisition.polarization import Polarized, confidences
 from precompute.files import written_aside
@@ -51,39 +52,23 @@ def _figures(acquired: Polarized) -> Iterator[tuple[str, Figure]]:
     width, height = acquired.foil.constants["tile_mm"]  # type: ignore[misc]
     extent = (-width / 2, width / 2, -height / 2, height / 2)
     white = float(np.nanpercentile(fit.mean[few], 99))
-    yield "mean", _map(fit.mean[few], extent, "light over its mean", "gray", (0, white))
-    yield "correlation", _map(fit.correlation[few], extent, "correlation", "magma", (0, 1))
-    yield "mask", _map(found.mask[few], extent, "diffracts", "gray", (0, 1))
+    yield "mean", map_figure(fit.mean[few], extent, "light over its mean", "gray", (0, white))
+    yield "correlation", map_figure(fit.correlation[few], extent, "correlation", "magma", (0, 1))
+    yield "mask", map_figure(found.mask[few], extent, "diffracts", "gray", (0, 1))
     yield "circle", _circle(acquired)
     cosine, sine, frequency, _ = np.moveaxis(acquired.foil.tables["grating"].values[few], -1, 0)
     orientation = np.mod(np.arctan2(sine, cosine) / 2, np.pi)
     full = np.ones_like(orientation)
     hsv = np.stack([orientation / np.pi, full, found.mask[few] * full], axis=-1)
-    yield "orientation", _map(hsv_to_rgb(hsv), extent, "orientation (deg)", "hsv", (0, 180))
+    yield "orientation", map_figure(hsv_to_rgb(hsv), extent, "orientation (deg)", "hsv", (0, 180))
     noise = np.where(found.mask[few], np.degrees(found.noise[few]) / 2, np.nan)
     yield (
         "noise",
-        _map(noise, extent, "orientations' deviation (deg)", "viridis", (0, 5)),
+        map_figure(noise, extent, "orientations' deviation (deg)", "viridis", (0, 5)),
     )
-    yield "confidence", _map(confidences(found)[few], extent, "confidence", "magma", (0, 1))
+    yield "confidence", map_figure(confidences(found)[few], extent, "confidence", "magma", (0, 1))
     period = np.where(found.mask[few], 1 / frequency, np.nan)
-    yield "period", _map(period, extent, "period (µm)", "viridis", None)
-
-
-def _map(
-    values: Array | NDArray[np.float32] | NDArray[np.bool_],
-    extent: tuple[float, float, float, float],
-    label: str,
-    colours: str,
-    limits: tuple[float, float] | None,
-) -> Figure:
-    figure = Figure((7, 6), layout="constrained")
-    axes = figure.subplots()
-    low, high = limits or (None, None)
-    image = axes.imshow(values, extent=extent, cmap=colours, vmin=low, vmax=high)
-    figure.colorbar(image, ax=axes, label=label)
-    axes.set(xlabel="mm", ylabel="mm")
-    return figure
+    yield "period", map_figure(period, extent, "period (µm)", "viridis", None)
 
 
 def _circle(acquired: Polarized) -> Figure:

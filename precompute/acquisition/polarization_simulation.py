@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, TypeAdapter, model_validator
+from pydantic import Field, TypeAdapter, model_validator
 
-from precompute.acquisition.capture import Camera, Filter, Vector
-from precompute.acquisition.simulation import Albedo, Length, SensorNoise
+from precompute.acquisition.capture import Filter, Vector
+from precompute.acquisition.taking import Albedo, Length, Part, Taking
 from precompute.gratings import Positive
 from precompute.recipes import Illuminant, validated
 from precompute.spectra import IndexedMetal
@@ -24,11 +24,7 @@ Omitted = Literal[
 ]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Ratio(_Part):
+class Ratio(Part):
     """R = R_−/R_+ = r e^{iζ} of a grating, in place of a metal's.
 
     Attributes:
@@ -40,7 +36,7 @@ class Ratio(_Part):
     zeta_deg: Angle
 
 
-class Metal(_Part):
+class Metal(Part):
     """What the gratings are pressed into.
 
     Attributes:
@@ -54,7 +50,7 @@ class Metal(_Part):
     ratio: Ratio | None = None
 
 
-class Layer(_Part):
+class Layer(Part):
     """The plastic over the metal.
 
     Attributes:
@@ -74,7 +70,7 @@ class Layer(_Part):
     first_surface_retardation_deg: Annotated[float, Field(ge=0, le=90)] = 0.0
 
 
-class Sheet(_Part):
+class Sheet(Part):
     """The sheet and how far from ideal it is.
 
     Attributes:
@@ -96,7 +92,7 @@ class Sheet(_Part):
     bump_mm: Positive = 5.0
 
 
-class Panel(_Part):
+class Panel(Part):
     """A disc of circularly polarised light, parallel to the sheet.
 
     Attributes:
@@ -118,7 +114,7 @@ class Panel(_Part):
         return self
 
 
-class Handling(_Part):
+class Handling(Part):
     """What differs between photographs that should not; standard deviations.
 
     Attributes:
@@ -134,53 +130,33 @@ class Handling(_Part):
     light: Annotated[float, Field(ge=0, le=0.3)] = 0.0
 
 
-class PolarizationSimulation(_Part):
+class PolarizationSimulation(Taking):
     """A polarisation capture to be simulated.
 
     Attributes:
-        foil: Recipe of the foil, beside this one.
         metal: Under its gratings.
         plastic: Over them.
         sheet: What is photographed.
         panel: The light.
-        camera: Where it is, and its lens.
-        filter: Before it.
-        size_px: Width and height of its pictures.
+        filter: Before the camera.
         polariser_deg: ψ of each photograph, from x.
         exposures_s: Of each photograph. A mirror reaches full scale in 1 s.
         handling: What differs between photographs; the first is as it should be.
-        sensor: Its noise and files.
         omit: What the capture file does not say.
         step_nm: Of wavelength.
-        subpixels: Along each side of a pixel in which gratings differ.
-        seed: Of noise, bumps and handling.
     """
 
     kind: Literal["polarization-capture"]
-    foil: str
     metal: Metal = Metal()
     plastic: Layer = Layer()
     sheet: Sheet
     panel: Panel
-    camera: Camera
     filter: Filter | None = Filter(peak_um=0.55, fwhm_um=0.03)
-    size_px: tuple[PositiveInt, PositiveInt]
     polariser_deg: Annotated[tuple[Angle, ...], Field(min_length=1)]
     exposures_s: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.5,)
     handling: Handling = Handling()
-    sensor: SensorNoise = SensorNoise()
     omit: tuple[Omitted, ...] = ()
     step_nm: Annotated[int, Field(ge=1, le=20)] = 10
-    subpixels: Annotated[int, Field(ge=1, le=8)] = 2
-    seed: Annotated[int, Field(ge=0)] = 1
-
-    @model_validator(mode="after")
-    def _camera_is_known(self) -> PolarizationSimulation:
-        if self.camera.position_mm is None or self.camera.focal_px is None:
-            raise ValueError("camera.position_mm and camera.focal_px, to be simulated")
-        if self.camera.response != "linear" and self.sensor.file == "exr":
-            raise ValueError("a linear response for exr")
-        return self
 
     @property
     def first_surface(self) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from precompute.acquisition.capture import Camera, Filter, FlashLight
-from precompute.acquisition.simulation import SensorNoise
+from precompute.acquisition.taking import SensorNoise
 from precompute.files import written_aside
 from precompute.spectra import WAVELENGTHS, illuminant, spectral_columns
 

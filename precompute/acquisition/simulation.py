@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, TypeAdapter, model_validator
+from pydantic import Field, TypeAdapter
 
-from precompute.acquisition.capture import Camera, Filter, FlashLight
+from precompute.acquisition.capture import Filter, FlashLight
+from precompute.acquisition.taking import Albedo, Length, Part, Taking
 from precompute.gratings import Positive
 from precompute.recipes import validated
 
-Length = Annotated[float, Field(ge=0)]
-Albedo = Annotated[float, Field(ge=0, le=1)]
 Omitted = Literal[
     "camera.position_mm",
     "camera.rotation_deg",
@@ -26,11 +25,7 @@ Omitted = Literal[
 ]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Surface(_Part):
+class Surface(Part):
     """The sheet and how far from ideal it is.
 
     Attributes:
@@ -57,33 +52,7 @@ class Surface(_Part):
     table: Albedo = 0.3
 
 
-class SensorNoise(_Part):
-    """What the sensor adds to the light, and how it is stored.
-
-    Attributes:
-        file: ``tif``, ``png`` or ``exr``.
-        bits: Of the numbers in it; an EXR holds floats, which do not clip.
-        full_well: Electrons at white, which give shot noise; without it there is none.
-        read_noise: Standard deviation of read noise, electrons.
-        noise_db: White noise so far below full scale instead of the two.
-    """
-
-    file: Literal["tif", "png", "exr"] = "tif"
-    bits: Literal[8, 12, 16] = 16
-    full_well: Positive | None = None
-    read_noise: Length = 0.0
-    noise_db: Positive | None = None
-
-    @model_validator(mode="after")
-    def _one_noise(self) -> SensorNoise:
-        if self.noise_db is not None and self.full_well is not None:
-            raise ValueError("full_well or noise_db, not both")
-        if self.read_noise > 0 and self.full_well is None:
-            raise ValueError("full_well, in whose electrons read_noise is given")
-        return self
-
-
-class Flash(_Part):
+class Flash(Part):
     """One photograph, in as many brackets as it has exposures.
 
     Attributes:
@@ -97,41 +66,21 @@ class Flash(_Part):
     exposures_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 
-class Simulation(_Part):
+class Simulation(Taking):
     """A flash capture to be simulated.
 
     Attributes:
-        foil: Recipe of the foil, beside this one.
         surface: The sheet.
-        camera: Where it is, and its lens.
-        size_px: Width and height of its pictures.
         photographs: What is photographed.
-        sensor: Its noise and files.
         omit: What the capture file does not say.
         step_nm: Of wavelength.
-        subpixels: Along each side of a pixel in which gratings differ.
-        seed: Of noise, bumps and shifts.
     """
 
     kind: Literal["flash-capture"]
-    foil: str
     surface: Surface
-    camera: Camera
-    size_px: tuple[PositiveInt, PositiveInt]
     photographs: Annotated[tuple[Flash, ...], Field(min_length=1)]
-    sensor: SensorNoise = SensorNoise()
     omit: tuple[Omitted, ...] = ()
     step_nm: Annotated[int, Field(ge=1, le=20)] = 4
-    subpixels: Annotated[int, Field(ge=1, le=8)] = 2
-    seed: int = 1
-
-    @model_validator(mode="after")
-    def _camera_is_known(self) -> Simulation:
-        if self.camera.position_mm is None or self.camera.focal_px is None:
-            raise ValueError("camera.position_mm and camera.focal_px, to be simulated")
-        if self.camera.response != "linear" and self.sensor.file == "exr":
-            raise ValueError("a linear response for exr")
-        return self
 
     @property
     def roughness(self) -> float:
