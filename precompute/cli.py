@@ -310,6 +310,35 @@ def acquire_polarization(
             write_pictures(acquired, debug)
 
 
+@acquire.command("fuse")
+def acquire_fuse(
+    map_file: Annotated[
+        Path, typer.Argument(metavar="MAP.json", help="A foil's, of acquire polarization.")
+    ],
+    capture: Annotated[
+        Path, typer.Argument(metavar="CAPTURE.json", help="Flash photographs of the same foil.")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
+    ],
+) -> None:
+    """A map from polarised light made absolute by a flash photograph of the same foil."""
+    from math import degrees
+
+    from precompute.acquisition.fuse import acquire_fused
+
+    draw = _drawing(output, None)
+    with one_line_errors(draw):
+        foil, fusion = acquire_fused(map_file, capture, _remark, draw)
+        foil.write(output.parent, output.name)
+        console.print(
+            f"orientations + {degrees(fusion.offset):.2f} degrees, periods × {fusion.scale:.4g}, "
+            f"correlation {fusion.correlation:.2f}",
+            markup=False,
+            soft_wrap=True,
+        )
+
+
 def _drawing(output: Path, debug: Path | None) -> Callable[[InputError], InputError]:
     """Draws what errors saw, beside the output or among the pictures of every step."""
     from precompute.acquisition.refusal_pictures import drawn

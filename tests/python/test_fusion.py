@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from refusals import refused
+from typer.testing import CliRunner, Result
 
 from precompute.acquisition.capture import read_capture
 from precompute.acquisition.fusion import Fusion, fused
@@ -18,6 +20,8 @@ from precompute.acquisition.pattern import Gratings, gratings_of
 from precompute.acquisition.shots import read_shots
 from precompute.acquisition.simulate import simulate_flash
 from precompute.acquisition.tiling import Tiling
+from precompute.cli import app
+from precompute.foils.foil_map import foil_map
 from precompute.maps import Map
 
 TEXELS = 64
@@ -46,12 +50,17 @@ Scene = tuple[Shot, Tiling, Gratings]
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    """One photograph, where its tiles are, and the truth."""
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A capture of one photograph, the truth beside it."""
     folder = tmp_path_factory.mktemp("fusion")
     (folder / "foil.json").write_text(json.dumps(FOIL))
     (folder / "bench.json").write_text(json.dumps(RECIPE))
-    file = simulate_flash(folder / "bench.json", folder)
+    return simulate_flash(folder / "bench.json", folder)
+
+
+@pytest.fixture(scope="module")
+def scene(file: Path) -> Scene:
+    """The photograph, where its tiles are, and the truth."""
     capture = read_capture(file, "flash")
     taken = read_shots(capture, file.parent, lambda _: None, lambda error: error)
     tiling, _ = tiling_of(capture, taken, str(file), lambda _: None)
@@ -115,3 +124,41 @@ def test_what_cannot_be_fused_is_refused(scene: Scene) -> None:
     dark = "nothing but one brightness beyond the highlight"
     with refused("fusion", shot.name, dark, "lit and dark"):
         fuse((black, tiling, truth), θ, a)
+
+
+# ---- The command ---------------------------------------------------------------------------------
+
+
+def command(folder: Path, file: Path, θ: np.ndarray, truth: Gratings, scale: float) -> Result:
+    """Fuse a map of given orientations, its periods `scale` times too short."""
+    foil = foil_map(
+        θ,
+        truth.frequency * scale,
+        truth.strength,
+        height=0.15,
+        tile_mm=(15.0, 15.0),
+        recipe={"kind": "foil", "design": "acquired"},
+    )
+    foil.write(folder, "relative")
+    arguments = ["acquire", "fuse", folder / "relative.json", file, "-o", folder / "fused"]
+    return CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+
+
+def test_the_command_makes_a_map_absolute(scene: Scene, file: Path, tmp_path: Path) -> None:
+    _, _, truth = scene
+    result = command(tmp_path, file, truth.orientation - np.radians(37.3), truth, 1.25)
+    assert result.exit_code == 0
+    made = Map.read(tmp_path / "fused.json")
+    gratings, lit = gratings_of(made), truth.strength > 0
+    off = np.mod(gratings.orientation - truth.orientation + np.pi / 2, np.pi) - np.pi / 2
+    assert np.degrees(np.abs(off[lit])).max() < 1  # 0.2 of the offset, the rest of 8 bits
+    assert np.allclose(gratings.frequency[lit] / truth.frequency[lit], 1, atol=0.02)
+    assert made.recipe["fused"]["offset_deg"] == pytest.approx(37.3, abs=0.5)
+    assert made.recipe["fused"]["periods_times"] == pytest.approx(1.25, rel=0.01)
+
+
+def test_another_foil_is_refused(scene: Scene, file: Path, tmp_path: Path) -> None:
+    _, _, truth = scene
+    result = command(tmp_path, file, -truth.orientation, truth, 1.0)
+    assert result.exit_code == 2 and not (tmp_path / "fused.json").exists()
+    assert "of the same foil" in result.stderr.splitlines()[-1]
