@@ -200,14 +200,21 @@ def simulate_polarization(
         console.print(str(simulated(recipe, output)), markup=False, soft_wrap=True)
 
 
+CaptureFile = Annotated[
+    Path, typer.Argument(metavar="CAPTURE.json", help="See docs/acquisition.md.")
+]
+MapName = Annotated[
+    Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
+]
+Debug = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
+]
+
+
 @acquire.command("flash")
 def acquire_flash(
-    capture: Annotated[
-        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/acquisition.md.")
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
-    ],
+    capture: CaptureFile,
+    output: MapName,
     size: Annotated[
         tuple[int, int] | None,
         typer.Option(help="Columns and rows of the map.", show_default="as the photographs"),
@@ -223,9 +230,7 @@ def acquire_flash(
         typer.Option(help="lobes fits gratings; thresholds is the 2018 paper's method."),
     ] = "lobes",
     align: Annotated[bool, typer.Option(help="Move tiles to where the pattern is.")] = True,
-    debug: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
-    ] = None,
+    debug: Debug = None,
 ) -> None:
     """A foil's map from flash photographs: NAME.json, its images and NAME.report.json.
 
@@ -258,12 +263,8 @@ def acquire_flash(
 
 @acquire.command("polarization")
 def acquire_polarization(
-    capture: Annotated[
-        Path, typer.Argument(metavar="CAPTURE.json", help="See docs/acquisition.md.")
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
-    ],
+    capture: CaptureFile,
+    output: MapName,
     size: Annotated[
         tuple[int, int] | None,
         typer.Option(help="Columns and rows of the map.", show_default="as the photographs"),
@@ -283,9 +284,7 @@ def acquire_polarization(
     passes: Annotated[
         int, typer.Option(help="Of a filter that takes noise and bumps out of orientations.")
     ] = 3,
-    debug: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder for pictures of every step.")
-    ] = None,
+    debug: Debug = None,
 ) -> None:
     """A foil's map from photographs through a turning polariser, and NAME.report.json."""
     from math import radians
@@ -318,9 +317,7 @@ def acquire_fuse(
     capture: Annotated[
         Path, typer.Argument(metavar="CAPTURE.json", help="Flash photographs of the same foil.")
     ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="NAME", help="The map, without extension.")
-    ],
+    output: MapName,
 ) -> None:
     """A map from polarised light made absolute by a flash photograph of the same foil."""
     from math import degrees

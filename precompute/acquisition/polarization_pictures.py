@@ -49,7 +49,7 @@ def _figures(acquired: Polarized) -> Iterator[tuple[str, Figure]]:
     found, fit = acquired.found, acquired.found.fit
     step = max(1, -(-max(found.mask.shape) // LONGEST))
     few = np.s_[::step, ::step]
-    width, height = acquired.foil.constants["tile_mm"]  # type: ignore[misc]
+    width, height = np.broadcast_to(acquired.foil.constants["tile_mm"], 2).tolist()
     extent = (-width / 2, width / 2, -height / 2, height / 2)
     white = float(np.nanpercentile(fit.mean[few], 99))
     yield "mean", map_figure(fit.mean[few], extent, "light over its mean", "gray", (0, white))
