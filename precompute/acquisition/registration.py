@@ -33,8 +33,9 @@ SMOOTHED = 5
 """Side, px, of the Gaussian that ECC smooths gradients by: it interpolates them linearly, which
 their sizes, bent where a gradient is 0, do not suit. Unsmoothed, moves are off twice as much."""
 
-INSET = 0.96
-"""Part of a sheet's sides within which its print is compared."""
+INSET, RIM = 0.96, 8
+"""Part of a sheet's sides within which its print is compared, but for so many px of it: as far as
+blur and smoothing spread its outline."""
 
 STEPS, ENOUGH = 60, 1e-6
 """Of ECC at one size: most, and by how much its correlation grows when it stops."""
@@ -98,9 +99,8 @@ class Outlines:
         rough = np.array([[1, 0, shift[0]], [0, 1, shift[1]]])
         # From where it is, too: phase correlation may err, and most cameras stand still.
         starts = (np.eye(2, 3), rough)
-        quality, warp = max(
-            (self._refined(other, start) for start in starts), key=lambda found: found[0]
-        )
+        found = (self._refined(other, start) for start in starts)
+        _, quality, warp = min(found, key=lambda one: one[0])
         warp = _enlarged(warp, self.factor)
         middle = (np.array(self.size) - 1) / 2
         offset = warp[:, :2] @ middle + warp[:, 2] - middle
@@ -109,7 +109,8 @@ class Outlines:
     def likeness(self, other: Outlines, move: Move, corners: Array) -> float:
         """How well edges of another photograph lie on this one's within a quadrilateral.
 
-        A sheet's own outline is the same whatever is printed on it, and left out by that.
+        A sheet's own outline is the same whatever is printed on it, and left out by that. Pictures
+        are compared from fine to coarse: noise hides fine edges, reduction the small ones.
 
         Args:
             other: The photograph.
@@ -117,35 +118,32 @@ class Outlines:
             corners: Of the quadrilateral in this one, px, shape (4, 2).
 
         Returns:
-            Correlation of the gradients' sizes, −1 to 1.
+            Correlation of the gradients' sizes where it is largest, −1 to 1.
         """
-        still = self.levels[0]
-        height, width = still.shape
-        ends = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
-        to = move.moved(ends * self.factor, self.size) / self.factor
-        warp = cv2.getAffineTransform(ends.astype(np.float32), to.astype(np.float32))
-        moved = cv2.warpAffine(
-            other.levels[0], warp, (width, height), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        return max(
+            _likeness(still, moving, move, corners, self.size, self.factor * 2**level)
+            for level, (still, moving) in enumerate(zip(self.levels, other.levels, strict=True))
         )
-        middle = corners.mean(axis=0)
-        inside = np.zeros(still.shape, np.uint8)
-        inner = (middle + INSET * (corners - middle)) / self.factor
-        cv2.fillConvexPoly(inside, np.round(inner).astype(np.int32), (1,))
-        one, two = (
-            cv2.GaussianBlur(sizes, (SMOOTHED, SMOOTHED), 0)[inside > 0] for sizes in (still, moved)
-        )
-        if min(float(one.std()), float(two.std())) == 0:
-            return 0.0
-        return float(np.corrcoef(one, two)[0, 1])
 
-    def _refined(self, other: Outlines, warp: Array) -> tuple[float, Array]:
-        """Quality and warp at the finest level, from a start at the coarsest."""
-        quality = 0.0
+    def _refined(self, other: Outlines, warp: Array) -> tuple[float, float, Array]:
+        """A warp from a start at the coarsest level, as fine as noise lets it be told.
+
+        A correlation ρ of n pixels tells it to some √(1/ρ² − 1)/√n of their size. With every level
+        that size doubles and n is a quarter, so its uncertainty is 4 times as much, but that ρ is
+        larger where there is noise.
+
+        Returns:
+            That uncertainty in arbitrary units, the correlation, and the warp at the finest level.
+        """
+        least, quality = np.inf, 0.0
         for level in range(len(self.levels) - 1, -1, -1):
-            quality, warp = _ecc(self.levels[level], other.levels[level], warp)
+            ρ, moved = _ecc(self.levels[level], other.levels[level], warp)
+            uncertainty = 4.0**level * np.sqrt(max(1 / ρ**2 - 1, 0)) if ρ > 0 else np.inf
+            if uncertainty < least:
+                least, quality, warp = uncertainty, ρ, moved
             if level > 0:
                 warp = _enlarged(warp, 2)
-        return quality, warp
+        return least, quality, warp
 
 
 def _ecc(still: Picture, moving: Picture, start: Array) -> tuple[float, Array]:
@@ -160,6 +158,37 @@ def _ecc(still: Picture, moving: Picture, start: Array) -> tuple[float, Array]:
     except cv2.error:  # it does not converge, or leaves nothing that overlaps
         return 0.0, start
     return float(quality), np.asarray(warp, np.float64)
+
+
+def _likeness(
+    still: Picture,
+    moving: Picture,
+    move: Move,
+    corners: Array,
+    size: tuple[int, int],
+    factor: int,
+) -> float:
+    """`Outlines.likeness` of two pictures that have been reduced from a size by a factor."""
+    half = (factor - 1) / 2
+    ends = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+    to = (move.moved(ends * factor + half, size) - half) / factor
+    warp = cv2.getAffineTransform(ends.astype(np.float32), to.astype(np.float32))
+    height, width = still.shape
+    moved = cv2.warpAffine(
+        moving, warp, (width, height), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    )
+    outline = (corners - half) / factor
+    middle = outline.mean(axis=0)
+    inside = np.zeros(still.shape, np.uint8)
+    inner = middle + INSET * (outline - middle)
+    cv2.fillConvexPoly(inside, np.round(inner).astype(np.int32), (1,))
+    inside = cv2.erode(inside, np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8))
+    one, two = (
+        cv2.GaussianBlur(sizes, (SMOOTHED, SMOOTHED), 0)[inside > 0] for sizes in (still, moved)
+    )
+    if one.size == 0 or min(float(one.std()), float(two.std())) == 0:
+        return 0.0
+    return float(np.corrcoef(one, two)[0, 1])
 
 
 def _enlarged(warp: Array, factor: int) -> Array:

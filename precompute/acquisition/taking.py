@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt, model_validator
 
 from precompute.acquisition.capture import Camera
@@ -35,6 +36,13 @@ class SensorNoise(Part):
     full_well: Positive | None = None
     read_noise: Length = 0.0
     noise_db: Positive | None = None
+
+    @property
+    def signal_to_noise_db(self) -> float | None:
+        """At full scale; None without noise."""
+        if self.full_well is not None:
+            return float(10 * np.log10(self.full_well))
+        return self.noise_db
 
     @model_validator(mode="after")
     def _one_noise(self) -> SensorNoise:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from precompute.acquisition.flash import Acquired, FlashOptions, acquire_flash
-from precompute.acquisition.observations import half_vectors, texel_places
-from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
+from precompute.acquisition.observations import half_vectors
 from precompute.acquisition.pictures import rendering, sample_grid
 from precompute.acquisition.simulate import simulated
 from precompute.acquisition.simulation import Simulation, read_simulation
@@ -23,6 +22,7 @@ from precompute.metrics import relative_rmse
 from precompute.report.acquisition_polarization import polarization_model_rows
 from precompute.report.acquisition_spiral import spiral_rows
 from precompute.report.browser import ROOT
+from precompute.report.map_errors import MapErrors
 from precompute.report.rows import Acquisition
 
 Array = NDArray[np.float64]
@@ -51,23 +51,6 @@ SEED = FlashOptions(method="thresholds", align=False, is_one_period=False)
 
 
 @dataclass(frozen=True)
-class Errors:
-    """A map against the truth, over the texels that diffract in truth.
-
-    Attributes:
-        orientation: Distance in degrees, shape (texels,).
-        period: Relative difference.
-        found: Which have an orientation from the photographs.
-        periods: What was found, µm.
-    """
-
-    orientation: Array
-    period: Array
-    found: NDArray[np.bool_]
-    periods: Array
-
-
-@dataclass(frozen=True)
 class Photographed:
     """A simulated capture and the foil that it shows.
 
@@ -87,34 +70,17 @@ class Photographed:
     def of(simulation: Simulation, file: Path, folder: Path) -> Photographed:
         """Simulate, into a folder that may be deleted afterwards."""
         capture = simulated(simulation, file, folder)
-        sensor = simulation.sensor
-        noise = sensor.noise_db
-        if sensor.full_well is not None:
-            noise = float(10 * np.log10(sensor.full_well))
         truth = Map.read(folder / "truth" / "foil")
+        noise = simulation.sensor.signal_to_noise_db
         return Photographed(capture, truth, len(simulation.photographs), noise)
 
     def acquired(self, options: FlashOptions) -> Acquired:
         """Solve it."""
         return acquire_flash(self.capture, options, lambda _: None)
 
-    def errors(self, acquired: Acquired) -> Errors:
+    def errors(self, acquired: Acquired) -> MapErrors:
         """How far what was acquired is from the truth."""
-        found, truth = gratings_of(acquired.foil), gratings_of(self.truth)
-        rows, columns = found.orientation.shape
-        place = texel_places((columns, rows)) * [1, -1]
-        true = Gratings(*(part.ravel() for part in vars(truth).values()))
-        true = true[texel_indices(truth.orientation.shape, place)]
-        diffracts = true.strength > 0.5
-        apart = np.mod(found.orientation.ravel() - true.orientation + np.pi / 2, np.pi) - np.pi / 2
-        period = 1 / np.maximum(found.frequency.ravel(), 1e-3)
-        seen = acquired.completed.seen | acquired.completed.unsure
-        return Errors(
-            np.degrees(np.abs(apart))[diffracts],
-            np.abs(period * true.frequency - 1)[diffracts],
-            seen.ravel()[diffracts],
-            period[diffracts],
-        )
+        return MapErrors.of(acquired.foil, self.truth)
 
     def row(self, case: str, figure: str, unit: str, values: Array, seed: bool) -> Acquisition:
         """A row whose value is the mean of numbers that should be 0."""
@@ -156,8 +122,9 @@ def _period_rows(work: Path) -> Iterator[Acquisition]:
             simulation.model_copy(update={"sensor": sensor}), file, work / f"period-{noise}"
         )
         for options in (FlashOptions(is_one_period=False), SEED):
-            errors = taken.errors(taken.acquired(options))
-            periods = errors.periods[errors.found]
+            acquired = taken.acquired(options)
+            errors = taken.errors(acquired)
+            periods = errors.periods[_seen(acquired)[errors.diffracts]]
             row = taken.row("flash-period-simulated", "mean period", "µm", periods, options is SEED)
             yield row.model_copy(
                 update={"truth": 1.66, "paper": PAPER_PERIOD, "paper_spread": PAPER_SPREAD}
@@ -193,11 +160,16 @@ def _design_rows(design: str, work: Path, pictures: Path) -> Iterator[Acquisitio
         case = f"flash-{design}" + (", seed" if is_seed else "")
         yield from _quantiles(taken, case, "orientation", "deg", errors.orientation, is_seed)
         yield from _quantiles(taken, case, "period", "1", errors.period, is_seed)
-        missed = np.where(errors.found, 0.0, 1.0)
+        missed = np.where(_seen(acquired)[errors.diffracts], 0.0, 1.0)
         yield taken.row(case, "share of texels not seen", "1", missed, is_seed)
         picture = pictures / f"acquisition-{design}{'-seed' if is_seed else ''}.png"
         error = round_trip(taken.truth, acquired, picture)
         yield taken.row(case, "relative RMSE under another light", "1", np.array([error]), is_seed)
+
+
+def _seen(acquired: Acquired) -> NDArray[np.bool_]:
+    """Which texels have a grating from the photographs, shape (texels,)."""
+    return (acquired.completed.seen | acquired.completed.unsure).ravel()
 
 
 def _quantiles(

@@ -1,0 +1,86 @@
+"""Simulated photographs in polarised light, and what is made of them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from precompute.acquisition.polarization import Polarized, PolarizationOptions, acquire_polarization
+from precompute.acquisition.polarization_simulation import read_polarization_simulation
+from precompute.acquisition.simulate_polarization import simulated_polarization
+from precompute.acquisition.taking import SensorNoise
+from precompute.maps import Map
+from precompute.report.browser import ROOT
+from precompute.report.map_errors import MapErrors
+from precompute.report.rows import Acquisition
+
+CAPTURES = ROOT / "maps" / "captures"
+
+
+@dataclass(frozen=True)
+class PolarizedPhotographs:
+    """A simulated capture and the foil that it shows.
+
+    Attributes:
+        capture: Its file.
+        truth: The foil.
+        offset: θ less half the phase of what is seen, rad.
+        photographs: How many.
+        noise_db: Signal to noise at full scale, None without noise.
+    """
+
+    capture: Path
+    truth: Map
+    offset: float
+    photographs: int
+    noise_db: float | None
+
+    @staticmethod
+    def of(design: str, folder: Path, **changes: Any) -> PolarizedPhotographs:
+        """Simulate ``polarization-DESIGN``, into a folder that may be deleted afterwards.
+
+        Args:
+            design: Of the shipped captures.
+            folder: Where it goes.
+            changes: Fields of its recipe that have other values; ``noise`` stands for white noise
+                of so much of full scale.
+        """
+        noise = changes.pop("noise", None)
+        if noise is not None:
+            changes["sensor"] = SensorNoise(noise_db=float(-20 * np.log10(noise)))
+        file = CAPTURES / f"polarization-{design}.json"
+        simulation = read_polarization_simulation(file).model_copy(update=changes)
+        capture = simulated_polarization(simulation, file, folder)
+        told = json.loads((folder / "truth" / "polarization.json").read_text("utf-8"))
+        return PolarizedPhotographs(
+            capture,
+            Map.read(folder / "truth" / "foil"),
+            float(np.radians(told["offset_deg"])),
+            len(simulation.polariser_deg),
+            simulation.sensor.signal_to_noise_db,
+        )
+
+    def acquired(self, **options: Any) -> Polarized:
+        """Solve it, its offset being given."""
+        told = PolarizationOptions(**{"offset": self.offset, **options})
+        return acquire_polarization(self.capture, told, lambda _: None)
+
+    def errors(self, acquired: Polarized) -> MapErrors:
+        """How far what was acquired is from the truth."""
+        return MapErrors.of(acquired.foil, self.truth)
+
+    def row(self, case: str, figure: str, unit: str, value: float, **more: Any) -> Acquisition:
+        """A row about these photographs, of what should be 0 unless it is told."""
+        return Acquisition(
+            case=f"polarization-{case}",
+            figure=figure,
+            unit=unit,
+            value=value,
+            photographs=self.photographs,
+            noise_db=self.noise_db,
+            **{"truth": 0, "spread": 0, **more},
+        )
