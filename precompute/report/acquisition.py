@@ -19,10 +19,13 @@ from precompute.acquisition.simulation import Simulation, read_simulation
 from precompute.acquisition.tiling import Tiling
 from precompute.maps import Map
 from precompute.metrics import relative_rmse
-from precompute.report.acquisition_polarization import polarization_model_rows
 from precompute.report.acquisition_spiral import spiral_rows
 from precompute.report.browser import ROOT
+from precompute.report.filtered_foils import filter_rows
+from precompute.report.fused_foils import fusion_rows
 from precompute.report.map_errors import MapErrors
+from precompute.report.polarization_model import polarization_model_rows
+from precompute.report.polarized_foils import polarized_rows
 from precompute.report.rows import Acquisition
 
 Array = NDArray[np.float64]
@@ -31,7 +34,7 @@ CAPTURES = ROOT / "maps" / "captures"
 DESIGNS = ("polygons", "stars", "circles", "periods")
 SHIFTS_PX = (0, 1, 2, 3)
 COUNT = 4 + 6 * len(SHIFTS_PX) + 12 * len(DESIGNS)
-"""Of rows, but for those of the spiral and of polarised light, which come last."""
+"""Of rows of flash photographs, which take the longest."""
 
 PIXEL_MM = 0.25
 """Of flash-shifted: by how much tiles are off in pixels."""
@@ -98,10 +101,10 @@ class Photographed:
 
 
 def acquisition_rows(pictures: Path) -> Iterator[Acquisition]:
-    """All rows as they are measured: some ten minutes.
+    """All rows as they are measured: some twenty minutes.
 
     Args:
-        pictures: Folder for pictures of the round trips and of orientations in polarised light.
+        pictures: Folder for pictures.
     """
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
@@ -109,8 +112,11 @@ def acquisition_rows(pictures: Path) -> Iterator[Acquisition]:
         yield from _shift_rows(work)
         for design in DESIGNS:
             yield from _design_rows(design, work, pictures)
-    yield from spiral_rows(ROOT)
+        yield from fusion_rows(work)
+        yield from polarized_rows(work, pictures)
+        yield from filter_rows(work, pictures)
     yield from polarization_model_rows(pictures)
+    yield from spiral_rows(ROOT)
 
 
 def _period_rows(work: Path) -> Iterator[Acquisition]:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from precompute.acquisition.polarization import Polarized, PolarizationOptions, acquire_polarization
+from precompute.acquisition.polarization import PolarizationOptions, Polarized, acquire_polarization
 from precompute.acquisition.polarization_simulation import read_polarization_simulation
 from precompute.acquisition.simulate_polarization import simulated_polarization
 from precompute.acquisition.taking import SensorNoise
@@ -17,6 +18,8 @@ from precompute.maps import Map
 from precompute.report.browser import ROOT
 from precompute.report.map_errors import MapErrors
 from precompute.report.rows import Acquisition
+
+Array = NDArray[np.float64]
 
 CAPTURES = ROOT / "maps" / "captures"
 
@@ -64,14 +67,21 @@ class PolarizedPhotographs:
             simulation.sensor.signal_to_noise_db,
         )
 
+    @property
+    def periods(self) -> tuple[float, float]:
+        """Shortest and longest of the foil, µm."""
+        high, low = (self.truth.constants[f"{end}_frequency"] for end in ("max", "min"))
+        return 1 / float(np.ravel(high)[0]), 1 / float(np.ravel(low)[0])
+
     def acquired(self, **options: Any) -> Polarized:
         """Solve it, its offset being given."""
         told = PolarizationOptions(**{"offset": self.offset, **options})
         return acquire_polarization(self.capture, told, lambda _: None)
 
-    def errors(self, acquired: Polarized) -> MapErrors:
-        """How far what was acquired is from the truth."""
-        return MapErrors.of(acquired.foil, self.truth)
+    def off(self, acquired: Polarized) -> Array:
+        """Errors of orientations, degrees, of texels that are seen to diffract, and do."""
+        errors = MapErrors.of(acquired.foil, self.truth)
+        return errors.orientation[acquired.found.mask.ravel()[errors.diffracts]]
 
     def row(self, case: str, figure: str, unit: str, value: float, **more: Any) -> Acquisition:
         """A row about these photographs, of what should be 0 unless it is told."""

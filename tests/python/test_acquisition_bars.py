@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from precompute.report.acquisition_bars import acquisition_bars
 from precompute.report.bars import Bar
 from precompute.report.rows import Acquisition
@@ -44,3 +46,24 @@ def test_rows_of_the_seed_and_of_other_cases_are_held_against_nothing() -> None:
     assert verdicts([seed, row("flash-shifted by 3 px, aligned", figure, 9.0)]) == {}
     (bar,) = verdicts([row("flash-shifted by 2 px, aligned", figure, 2.5)]).values()
     assert not bar.is_met
+
+
+def test_polarised_light() -> None:
+    mean = "orientation, mean error, filtered"
+    rows = [
+        row("polarization-disc, noise of 1%", mean, 0.9),
+        row("polarization-disc, noise of 2%", mean, 9.0),
+        row("polarization-stars", mean, 1.3),
+        row("polarization-step of 30°", "worn texels' largest distance from it, 3 passes", 1.0),
+        row("polarization-step of 30°", "worn texels' largest distance from it, 50 passes", 3.0),
+        row("polarization-polygons, fused", "offset of orientations", 179.5, truth=0.25),
+        row("polarization-polygons, fused", "shortest period", 1.61, truth=1.66),
+    ]
+    found = {asked: (bar.value, bar.is_met) for asked, bar in verdicts(rows).items()}
+    assert found == {
+        "polarised light, disc, orientation, mean, degrees": (0.9, True),
+        "polarised light, designs, orientation, mean, degrees": (1.3, True),
+        "filter, texels worn by a step of 30°, px": (3.0, False),
+        "fused, offset, degrees": (0.75, True),
+        "fused, period, relative error": (pytest.approx(0.05 / 1.66), False),
+    }

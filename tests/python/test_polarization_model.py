@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from precompute.acquisition.jones import Plastic
-from precompute.report.acquisition_polarization import (
+from precompute.report.polarization_model import (
     ORIENTATIONS,
     PICTURE,
     found_orientations,
