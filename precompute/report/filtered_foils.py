@@ -31,7 +31,7 @@ BUMPS_DEG, NOISE = 0.3, 0.03
 
 PASSES = (0, 1, 3, 10, 50)
 
-STEP_DEG, STEP_NOISE_DEG, STEP_SIZE = 30.0, 5.0, 128
+STEP_DEG, STEP_NOISE_DEG, STEP_SIZE = 30.0, 5.0, 64
 """A step between two orientations, and independent errors of both; of so many texels a side."""
 
 WORN_DEG = 5.0
