@@ -125,6 +125,11 @@ def wave(rows: int, columns: int) -> np.ndarray:
     return 0.5 + 0.5 * np.sin(2 * np.pi * (2 * u + 3 * v))
 
 
+def normals_of_the_wave(depth_mm: float, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    slope = depth_mm / 2 * 2 * np.pi * np.cos(2 * np.pi * (2 * u + 3 * v))
+    return -np.stack([slope * 2 / TILE[0], slope * 3 / TILE[1]], axis=-1)
+
+
 @pytest.mark.parametrize(
     ("rows", "columns", "bits", "tolerance"),
     [(ROWS, COLUMNS, 16, 0.01), (48, 40, 16, 0.01), (400, 700, 16, 0.02), (ROWS, COLUMNS, 8, 0.05)],
@@ -137,8 +142,7 @@ def test_slopes_of_a_picture_are_those_of_its_wave(
     found = normals(edit("bumps file=w.png depth_um=40", folder=tmp_path))
     u = (np.arange(COLUMNS) + 0.5) / COLUMNS
     v = 1 - (np.arange(ROWS)[:, None] + 0.5) / ROWS
-    slope = 0.040 / 2 * 2 * np.pi * np.cos(2 * np.pi * (2 * u + 3 * v))
-    expected = -np.stack([slope * 2 / TILE[0], slope * 3 / TILE[1]], axis=-1)
+    expected = normals_of_the_wave(0.040, u, v)
     assert np.abs(found - expected).max() < tolerance * np.abs(expected).max()
 
 
@@ -181,6 +185,22 @@ def test_a_quarter_turn_takes_bumps_along_and_turns_them() -> None:
     # The upper right comes to the upper left; what leant to the right leans up.
     np.testing.assert_array_equal(after[0, 0], [-before[0, -1, 1], before[0, -1, 0]])
     np.testing.assert_array_equal(after[-1, 3], [-before[3, 0, 1], before[3, 0, 0]])
+
+
+def test_bumps_turned_aslant_are_at_their_places(tmp_path: Path) -> None:
+    levels = np.round(wave(ROWS, COLUMNS) * 65535).astype(np.uint16)
+    Image.fromarray(levels).save(tmp_path / "w.png")
+    foil = edit("bumps file=w.png depth_um=40", "rotate degrees=30", folder=tmp_path)
+    rows, columns, _ = foil.tables["normal"].values.shape
+    x = (np.arange(columns) + 0.5 - columns / 2) / 8
+    y = (rows / 2 - np.arange(rows)[:, None] - 0.5) / 8
+    c, s = np.sqrt(3) / 2, 0.5
+    u, v = (c * x + s * y) / TILE[0] + 0.5, (c * y - s * x) / TILE[1] + 0.5
+    here = normals_of_the_wave(0.040, u, v)
+    expected = np.stack(
+        [c * here[..., 0] - s * here[..., 1], s * here[..., 0] + c * here[..., 1]], axis=-1
+    )
+    assert np.abs(normals(foil) - expected).max() < 0.02 * np.abs(expected).max()
 
 
 def test_larger_bumps_are_as_steep_and_smooth() -> None:
