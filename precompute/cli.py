@@ -151,8 +151,8 @@ def edit(
             "--edit",
             "-e",
             metavar="EDIT",
-            help="period, mask, crop, repeat, rotate, rescale or offset with its fields, as in "
-            "'rotate degrees=90'; one after the other. See docs/map-format.md.",
+            help="period, mask, crop, repeat, rotate, rescale, offset or bumps with its fields, as "
+            "in 'rotate degrees=90'; one after the other. See docs/map-format.md.",
         ),
     ],
 ) -> None:

@@ -32,6 +32,8 @@ def description(file: Path) -> Group:
     facts.add_row("quantity", f"{sidecar.quantity}, {sidecar.symbol}")
     for name, constant in sidecar.constants.items():
         facts.add_row(name, _numbers(constant))
+    if "normal" in tables:
+        facts.add_row("bumps", _tilts(tables["normal"]))
     facts.add_row("error", ", ".join(f"{k} {_numbers(v)}" for k, v in sidecar.error.items()))
     facts.add_row("generator", " ".join(sidecar.generator.values()))
     facts.add_row("checksums", "match")
@@ -67,6 +69,8 @@ def write_pictures(file: Path, folder: Path) -> list[Path]:
     for key, table in baked.tables.items():
         if baked.kind == "foil" and key == "grating":
             figure = _foil(baked, table)
+        elif key == "normal":
+            figure = _bumps(baked, table)
         elif key == "lobe":
             figure = _lobe(baked, table)
         else:
@@ -79,12 +83,39 @@ def write_pictures(file: Path, folder: Path) -> list[Path]:
     return written
 
 
+def _tilts(table: Table) -> str:
+    """How far the surface leans along u and v."""
+    slopes = table.values[..., :2]
+    along_u, along_v = np.degrees(np.arctan(slopes.std(axis=(0, 1))))
+    most = np.degrees(np.arctan(np.hypot(slopes[..., 0], slopes[..., 1]).max()))
+    return f"deviation {along_u:.3g} deg along u, {along_v:.3g} deg along v; {most:.3g} deg at most"
+
+
+def _bumps(baked: Map, table: Table) -> Figure:
+    """How far the normal leans towards growing u and growing v."""
+    figure = Figure((9, 4), layout="constrained")
+    tilts = np.degrees(np.arctan(table.values[..., :2]))
+    most = np.abs(tilts).max()
+    for axes, tilt, name in zip(
+        figure.subplots(1, 2), np.moveaxis(tilts, -1, 0), "uv", strict=True
+    ):
+        image = axes.imshow(tilt, extent=_extent(baked), cmap="RdBu_r", vmin=-most, vmax=most)
+        figure.colorbar(image, ax=axes, label=f"tilt towards {name} (deg)")
+        axes.set(xlabel="mm", ylabel="mm")
+    return figure
+
+
+def _extent(baked: Map) -> tuple[float, float, float, float]:
+    """Left, right, bottom and top of a foil's tile, mm."""
+    width, height = np.broadcast_to(baked.constants["tile_mm"], 2)
+    return (0.0, float(width), 0.0, float(height))
+
+
 def _foil(baked: Map, table: Table) -> Figure:
     """Orientation as hue, strength as brightness, and the spatial frequency beside it."""
     figure = Figure((9, 4), layout="constrained")
     orientations, frequencies = figure.subplots(1, 2)
-    width, height = np.broadcast_to(baked.constants["tile_mm"], 2)
-    extent = (0.0, float(width), 0.0, float(height))
+    extent = _extent(baked)
     cos2, sin2, frequency, strength = np.moveaxis(table.values, -1, 0)
     hue = np.mod(np.arctan2(sin2, cos2) / (2 * np.pi), 1)
     rgb = hsv_to_rgb(np.stack([hue, np.ones_like(hue), np.clip(strength, 0, 1)], axis=-1))

@@ -137,8 +137,69 @@ class OffsetEdit(_Edit):
     degrees: float
 
 
+class BumpsEdit(_Edit):
+    """The foil's surface uneven, in the place of bumps that it had (the 2018 paper, section 6.2).
+
+    Either at random, by `deviation_deg` and `length_mm`, or of a picture of heights.
+
+    Attributes:
+        file: Grey heights, stretched over the map. The sidecar has its name alone.
+        sha256: Checksum of the file, written into the sidecar.
+        depth_um: Height of the file's white over its black, µm.
+        deviation_deg: Standard deviation of the surface's tilt along u, and along v; 0: no bumps.
+        length_mm: Correlation length of the heights, at which their correlation is 1/e, mm.
+        seed: Of the random ones.
+    """
+
+    kind: Literal["bumps"]
+    file: Annotated[str | None, Field(min_length=1)] = None
+    sha256: str | None = None
+    depth_um: Annotated[float | None, Field(gt=0, validate_default=True)] = None
+    deviation_deg: Annotated[float | None, Field(ge=0, le=10, validate_default=True)] = None
+    length_mm: Annotated[float | None, Field(gt=0, validate_default=True)] = None
+    seed: Annotated[int | None, Field(ge=0, validate_default=True)] = None
+
+    @field_validator("depth_um")
+    @classmethod
+    def _of_a_file(cls, value: float | None, info: ValidationInfo) -> float | None:
+        has_file = info.data.get("file") is not None
+        if has_file and value is None:
+            raise ValueError("a number, white over black in um, since there is a file")
+        if not has_file and value is not None:
+            raise ValueError("no such field where there is no file")
+        return value
+
+    @field_validator("deviation_deg")
+    @classmethod
+    def _without_a_file(cls, value: float | None, info: ValidationInfo) -> float | None:
+        has_file = info.data.get("file") is not None
+        if has_file and value is not None:
+            raise ValueError("no such field where there is a file")
+        if not has_file and value is None:
+            raise ValueError("a number of degrees, or a file of heights instead")
+        return value
+
+    @field_validator("length_mm", "seed")
+    @classmethod
+    def _of_random_ones(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if not info.data.get("deviation_deg"):
+            if value is not None:
+                raise ValueError("no such field without a deviation_deg above 0")
+            return None
+        if value is None and info.field_name == "length_mm":
+            raise ValueError("a number, the bumps' correlation length in mm")
+        return 1 if value is None else value
+
+
 Edit: TypeAlias = (
-    PeriodEdit | MaskEdit | CropEdit | RepeatEdit | RotateEdit | RescaleEdit | OffsetEdit
+    PeriodEdit
+    | MaskEdit
+    | CropEdit
+    | RepeatEdit
+    | RotateEdit
+    | RescaleEdit
+    | OffsetEdit
+    | BumpsEdit
 )
 _EDIT: TypeAdapter[Edit] = TypeAdapter(Annotated[Edit, Field(discriminator="kind")])
 

@@ -1,7 +1,7 @@
 """Foils made of foils: their texels turned, cut, repeated, masked, given other periods.
 
-Every edit takes texels and returns others; nothing is interpolated, since between two gratings
-there is no third.
+Every edit takes texels and returns others; gratings are not interpolated, since between two there
+is no third.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from precompute.errors import InputError, unreadable
+from precompute.foils.bumps import Bumps, bumps_of_heights, random_bumps
 from precompute.foils.edit_lines import (
+    BumpsEdit,
     CropEdit,
     Edit,
     MaskEdit,
@@ -46,17 +48,20 @@ class Texels:
             leaves alone stays as it was, to the bit. Shape (rows, columns, 4), the first row on
             top.
         confidence: 0 to 1, shape (rows, columns, channels); None where there is none.
+        bumps: As many texels; None where it is flat.
         tile_mm: Width and height, mm.
     """
 
     grating: Array
     confidence: Array | None
+    bumps: Bumps | None
     tile_mm: tuple[float, float]
 
     def moved(self, index: Any, tile_mm: tuple[float, float]) -> Texels:
         """The texels of an index into rows and columns, on a tile of another size."""
         confidence = None if self.confidence is None else self.confidence[index]
-        return Texels(self.grating[index], confidence, tile_mm)
+        bumps = None if self.bumps is None else self.bumps.moved(index)
+        return Texels(self.grating[index], confidence, bumps, tile_mm)
 
     def resized(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Texels:
         """Given rows of given columns, texels as large as before."""
@@ -64,6 +69,11 @@ class Texels:
         was = self.grating.shape
         size = (width * columns.size / was[1], height * rows.size / was[0])
         return self.moved(np.ix_(rows, columns), size)
+
+    def with_bumps_at(self, source: Texels, row: Array, column: Array) -> Texels:
+        """With the bumps that the source has at places between its texels."""
+        bumps = None if source.bumps is None else source.bumps.at(row, column)
+        return replace(self, bumps=bumps)
 
     def with_grating(self, **channels: Array) -> Texels:
         """With other channels: ``doubled``, cos 2θ + i sin 2θ, ``frequency`` or ``strength``."""
@@ -99,6 +109,7 @@ def edited_map(foil: Map, file: Path, edits: Sequence[Edit], folder: Path) -> Ma
     texels = Texels(
         foil.tables["grating"].values,
         None if confidence is None else confidence.values,
+        _bumps_of(foil, file),
         (width, height),
     )
     told = []
@@ -121,7 +132,19 @@ def edited_map(foil: Map, file: Path, edits: Sequence[Edit], folder: Path) -> Ma
         out.tables["confidence"] = Table(
             texels.confidence, axes, confidence.channels, confidence.dtype, confidence.decode
         )
+    if texels.bumps is not None:
+        out.tables["normal"] = texels.bumps.table()
     return out
+
+
+def _bumps_of(foil: Map, file: Path) -> Bumps | None:
+    normal = foil.tables.get("normal")
+    if normal is None:
+        return None
+    found, expected = normal.values.shape, foil.tables["grating"].values.shape
+    if found != expected:
+        raise InputError(file, "arrays.normal.shape", found, f"that of grating, {expected}")
+    return Bumps.of(normal)
 
 
 def _edited(texels: Texels, edit: Edit, folder: Path) -> tuple[Texels, Edit]:
@@ -131,9 +154,7 @@ def _edited(texels: Texels, edit: Edit, folder: Path) -> tuple[Texels, Edit]:
             return with_periods(texels, edit), edit
         case MaskEdit():
             share, checksum = read_mask(folder / edit.file)
-            told = edit.model_copy(update={"file": Path(edit.file).name, "sha256": checksum})
-            if edit.sha256 not in (None, checksum):
-                raise InputError(folder / edit.file, "sha256", checksum, f"{edit.sha256}")
+            told = _told(edit, folder / edit.file, checksum)
             return masked(texels, 1 - share if edit.invert else share), told
         case CropEdit():
             return cropped(texels, edit), edit
@@ -145,6 +166,30 @@ def _edited(texels: Texels, edit: Edit, folder: Path) -> tuple[Texels, Edit]:
             return rescaled(texels, edit), edit
         case OffsetEdit():
             return turned(texels, edit.degrees), edit
+        case BumpsEdit():
+            return bumpy(texels, edit, folder)
+
+
+def _told(edit: MaskEdit | BumpsEdit, file: Path, checksum: str) -> Edit:
+    """An edit that names a file, as the sidecar tells it: without folders, with the checksum."""
+    if edit.sha256 not in (None, checksum):
+        raise InputError(file, "sha256", checksum, f"{edit.sha256}")
+    return edit.model_copy(update={"file": file.name, "sha256": checksum})
+
+
+def bumpy(texels: Texels, edit: BumpsEdit, folder: Path) -> tuple[Texels, Edit]:
+    """The foil with bumps, or without where they are 0, and the edit as the sidecar tells it."""
+    rows, columns = texels.grating.shape[:2]
+    size = (rows, columns), texels.tile_mm
+    match edit:
+        case BumpsEdit(file=str(name), depth_um=float(depth)):
+            bumps, checksum = bumps_of_heights(folder / name, depth, *size)
+            return replace(texels, bumps=bumps), _told(edit, folder / name, checksum)
+        case BumpsEdit(deviation_deg=float(degrees), length_mm=float(length), seed=int(seed)):
+            bumps = random_bumps(*size, np.tan(np.radians(degrees)), length, seed)
+            return replace(texels, bumps=bumps), edit
+        case _:
+            return replace(texels, bumps=None), edit
 
 
 def with_periods(texels: Texels, edit: PeriodEdit) -> Texels:
@@ -224,7 +269,11 @@ def rescaled(texels: Texels, edit: RescaleEdit) -> Texels:
     rows, columns = (
         _nearest(count, size) for count, size in zip(counts, texels.grating.shape, strict=False)
     )
-    out = texels.resized(rows, columns)
+    row, column = (
+        (np.arange(count) + 0.5) * size / count - 0.5
+        for count, size in zip(counts, texels.grating.shape, strict=False)
+    )
+    out = texels.resized(rows, columns).with_bumps_at(texels, row[:, None], column)
     if not edit.periods:
         return out
     return out.with_grating(frequency=out.grating[..., 2] / edit.factor)
@@ -240,7 +289,9 @@ def turned(texels: Texels, degrees: float) -> Texels:
 
 
 def rotated(texels: Texels, degrees: float) -> Texels:
-    """The foil turned counter-clockwise: texels change places, and their gratings turn."""
+    """The foil turned counter-clockwise: texels change places, gratings and slopes turn."""
+    if texels.bumps is not None:
+        texels = replace(texels, bumps=texels.bumps.turned(degrees))
     width, height = texels.tile_mm
     quarters, rest = divmod(degrees % 360, 90)
     if rest:
@@ -263,11 +314,13 @@ def _aslant(texels: Texels, angle: float) -> Texels:
     x = (np.arange(across) + 0.5 - across / 2) * pitch[0]
     y = (down / 2 - 0.5 - np.arange(down))[:, None] * pitch[1]
     # Where the foil had what is now at (x, y), both from its middle.
-    column = np.floor((c * x + s * y) / pitch[0] + columns / 2).astype(np.intp)
-    row = np.floor(rows / 2 - (c * y - s * x) / pitch[1]).astype(np.intp)
+    from_left = (c * x + s * y) / pitch[0] + columns / 2
+    from_top = rows / 2 - (c * y - s * x) / pitch[1]
+    column, row = np.floor(from_left).astype(np.intp), np.floor(from_top).astype(np.intp)
     inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
     index = (row.clip(0, rows - 1), column.clip(0, columns - 1))
     out = texels.moved(index, (across * pitch[0], down * pitch[1]))
+    out = out.with_bumps_at(texels, from_top - 0.5, from_left - 0.5)
     return out.with_grating(strength=np.where(inside, out.grating[..., 3], 0.0))
 
 

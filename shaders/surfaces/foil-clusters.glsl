@@ -90,7 +90,7 @@ SurfacePoint foilGrating(SurfacePoint p, vec3 grating, vec2 spread) {
 }
 
 // The mesh's frame, from which each grating's own follows, and the share of the pixel that diffracts.
-SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
+SurfacePoint foilPointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
 	vec2 alongX = dFdx(uv) * uFoilRepeat, alongY = dFdy(uv) * uFoilRepeat;
 	vec2 texels = vec2(textureSize(uFoilMap, 0));
 	float width = max(length(alongX * texels), length(alongY * texels));

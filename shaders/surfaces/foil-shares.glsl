@@ -26,7 +26,7 @@ struct FoilFootprint {
 FoilFootprint foilFootprint;
 
 // The mesh's frame, from which each grating's own follows, and the share of the pixel that diffracts.
-SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
+SurfacePoint foilPointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
 	foilFootprint = FoilFootprint(1.0, 0.0, uv * uFoilRepeat, dFdx(uv) * uFoilRepeat, dFdy(uv) * uFoilRepeat, 0u);
 	vec2 texels = vec2(textureSize(uFoilShares, 0));
 	vec2 x = foilFootprint.alongX * texels, y = foilFootprint.alongY * texels;

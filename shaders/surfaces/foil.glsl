@@ -1,6 +1,6 @@
 // A map of gratings: orientation, frequency and strength at every texel. How a pixel that covers many texels shows the mean
 // of their radiance depends on how many gratings there are: few have their shares, many are read one by one or in clusters.
-// Without either a pixel shows the nearest texel.
+// Without either a pixel shows the nearest texel. Each of the three defines foilPointAt, on a frame that bumps may have bent.
 #include "surface-point.glsl"
 
 uniform vec2 uFoilRepeat;      // tiles along u and v
@@ -37,8 +37,7 @@ vec4 foilTexel(vec2 uv) {
 #if defined(DIFFRACTION) && defined(FOIL_CLUSTERS)
 #include "foil-clusters.glsl"
 #else
-// tangent, bitangent, normal: orthonormal, view space, tangent towards growing u; uv: texture coordinates, 1.
-SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
+SurfacePoint foilPointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
 	vec4 texel = foilTexel(uv * uFoilRepeat);
 	return SurfacePoint(
 		texel.x * tangent + texel.y * bitangent,
@@ -62,3 +61,29 @@ vec3 surfaceRadianceFromEnvironment(SurfacePoint p, vec3 wo) {
 #endif // DIFFRACTION
 #endif // DIFFRACTION, FOIL_CLUSTERS
 #endif // DIFFRACTION, FOIL_GRATINGS
+
+#ifdef FOIL_BUMPS
+uniform sampler2D uFoilNormal;     // the normal's components along u and v over that along z, as stored
+uniform vec2 uFoilNormalOffset;    // value = offset + scale · texel
+uniform vec2 uFoilNormalScale;
+
+// The frame of a bent surface. frame: orthonormal; uv: in tiles, 1. As without bumps the tangent is the direction in which u
+// grows, projected into the plane of the normal. In components of the frame, with n ∝ (a, b, 1), that is ∝ (1 + b², −ab, −a),
+// at right angles to (0, 1, −b); so mirrored uv need no sign, and a back side none: its frame is turned round as its relief is.
+mat3 foilBent(mat3 frame, vec2 uv) {
+	vec2 slope = uFoilNormalOffset + uFoilNormalScale * texture(uFoilNormal, uv).xy;
+	vec3 normal = normalize(vec3(slope, 1.0));
+	vec3 bitangent = normalize(vec3(0.0, 1.0, -slope.y));
+	return frame * mat3(cross(bitangent, normal), bitangent, normal);
+}
+#endif // FOIL_BUMPS
+
+// tangent, bitangent, normal: orthonormal, view space, tangent towards growing u; uv: texture coordinates, 1.
+SurfacePoint surfacePointAt(vec3 tangent, vec3 bitangent, vec3 normal, vec2 uv) {
+	#ifdef FOIL_BUMPS
+	mat3 bent = foilBent(mat3(tangent, bitangent, normal), uv * uFoilRepeat);
+	return foilPointAt(bent[0], bent[1], bent[2], uv);
+	#else
+	return foilPointAt(tangent, bitangent, normal, uv);
+	#endif // FOIL_BUMPS
+}

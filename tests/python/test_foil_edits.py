@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 from precompute.acquisition.pattern import gratings_of, texel_indices
 from precompute.acquisition.radiance import Lamp, Relief, foil_radiance
 from precompute.cli import app
+from precompute.foils.bumps import Bumps
 from precompute.foils.edit_lines import parsed
 from precompute.foils.edits import edited_map
 from precompute.foils.foil_map import foil_axes, foil_map
@@ -108,15 +109,26 @@ def radiance(foil: Map, points: np.ndarray, eye: np.ndarray, light: np.ndarray) 
     index = texel_indices(texels(foil).shape[:2], points / tile + 0.5)
     gratings = gratings_of(foil)
     here = type(gratings)(*(part.ravel()[index] for part in vars(gratings).values()))
+    slopes = np.zeros_like(points)
+    if "normal" in foil.tables:
+        slopes = -foil.tables["normal"].values[..., :2].reshape(-1, 2)[index]
     weights = np.zeros((len(WAVELENGTHS), 2))
     weights[120, 0] = weights[220, 1] = 1
     lamp = Lamp(light, np.radians(2), weights)
     relief = Relief(0.15, Sinusoidal(), 16.25, np.radians(2))
-    return foil_radiance(points, np.zeros_like(points), here, relief, eye, lamp, 20)
+    return foil_radiance(points, slopes, here, relief, eye, lamp, 20)
 
 
+def leaning(foil: Map) -> Map:
+    """All of a foil leant by 0.8° towards u and by 0.4° away from v."""
+    normal = np.broadcast_to([0.014, -0.007], (ROWS, COLUMNS, 2))
+    foil.tables["normal"] = Bumps(normal, 0.02).table()
+    return foil
+
+
+@pytest.mark.parametrize("foil", [patches(), leaning(patches())], ids=["flat", "leaning"])
 @pytest.mark.parametrize("angle", [90.0, 180.0, -90.0, 30.0, 197.0])
-def test_the_turned_foil_is_the_foil_turned(angle: float) -> None:
+def test_the_turned_foil_is_the_foil_turned(angle: float, foil: Map) -> None:
     """With eye and lamp turned alike each point sends what it did before."""
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
@@ -125,14 +137,14 @@ def test_the_turned_foil_is_the_foil_turned(angle: float) -> None:
     # Where the first order of a grating in the patch's direction, λ/a, about meets the eye.
     light = np.array([120.0, 60.0, 300.0])
     eyes = [np.array(eye) for eye in ([20.0, 0, 350], [0, -150, 300], [-200, 60, 280])]
-    upright, turned = patches(), edit(f"rotate degrees={angle}")
+    upright, turned = foil, edit(f"rotate degrees={angle}", foil=foil)
     for eye in eyes:
         before = radiance(upright, points, eye, light)
         after = radiance(turned, points @ turn[:2, :2].T, turn @ eye, turn @ light)
         assert before.max() > 1e-3
         assert after == pytest.approx(before, rel=1e-6)
     # The gratings have to turn as well: with those that stay something else is seen.
-    left = edit(f"rotate degrees={angle}", f"offset degrees={-angle}")
+    left = edit(f"rotate degrees={angle}", f"offset degrees={-angle}", foil=foil)
     if angle % 180:
         seen = radiance(left, points @ turn[:2, :2].T, turn @ eyes[0], turn @ light)
         assert seen != pytest.approx(radiance(upright, points, eyes[0], light), rel=0.5)

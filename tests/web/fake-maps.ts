@@ -186,10 +186,18 @@ export function fakeTerms(recipe: object = {}): FakeMap {
   )
 }
 
-/** A foil of 2 × 2 texels, or another [width, height], as a PNG of 8 bits. */
+/** Slopes of a fake foil: value = STEEPEST (texel − 128)/127. */
+export const STEEPEST = 0.1
+
+/**
+ * A foil of 2 × 2 texels, or another [width, height], as a PNG of 8 bits.
+ *
+ * @param normal - bumps: its pixels and their [width, height]
+ */
 export function fakeFoil(
   pixels = Uint8Array.from({ length: 16 }, (_, i) => 16 * i),
   [width, height]: [number, number] = [2, 2],
+  normal?: { pixels: Uint8Array; size: [number, number] },
 ): FakeMap {
   const constants = { height_um: 0.1, min_frequency: 0.4, max_frequency: 0.8, tile_mm: [10, 10] }
   return makeMap(
@@ -208,6 +216,22 @@ export function fakeFoil(
           [0, 1],
         ],
       },
+      ...(normal
+        ? [
+            {
+              name: 'normal',
+              bytes: png(...normal.size, normal.pixels),
+              dtype: 'uint8',
+              shape: [normal.size[1], normal.size[0], 4],
+              decode: [
+                [(-STEEPEST * 128) / 127, (STEEPEST * 255) / 127],
+                [(-STEEPEST * 128) / 127, (STEEPEST * 255) / 127],
+                [0, 1],
+                [0, 1],
+              ],
+            },
+          ]
+        : []),
     ],
     { profile: 'sinusoidal' },
   )

@@ -115,6 +115,28 @@ describe('a sidecar', () => {
     expect((await errorOf(map)).field).toBe(`arrays.efficiency.axes[1].${field}`)
   })
 
+  it.each([
+    ['dtype', { dtype: 'float16', file: 'foil.normal.bin', decode: undefined }],
+    [
+      'shape',
+      {
+        shape: [1, 1, 3],
+        channels: ['a', 'b', 'c'],
+        decode: [
+          [0, 1],
+          [0, 1],
+          [0, 1],
+        ],
+      },
+    ],
+    ['decode', { decode: undefined }],
+  ])('of a foil whose bumps have another %s is refused', async (field, change) => {
+    const normal = { pixels: new Uint8Array(4), size: [1, 1] as [number, number] }
+    const map = structuredClone(fakeFoil(undefined, undefined, normal))
+    Object.assign((map.sidecar.arrays as Record<string, object>).normal!, change)
+    expect((await errorOf(map)).field).toBe(`arrays.normal.${field}`)
+  })
+
   it('that is not JSON is refused', async () => {
     serveFiles({ 'maps/x.json': '{' })
     await expect(loadMap('maps/x')).rejects.toMatchObject({ file: 'maps/x.json', expected: 'JSON' })

@@ -11,8 +11,17 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { DiffractionError } from '../../web/errors'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import type { DiffractionMaterialOptions } from '../../web/materials/options'
+import { Foil } from '../../web/surfaces/foil'
 import { Grating } from '../../web/surfaces/grating'
-import { fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles, type FakeMap } from './fake-maps'
+import {
+  fakeFoil,
+  fakeLobes,
+  fakeMetals,
+  fakeProfile,
+  filesOf,
+  serveFiles,
+  type FakeMap,
+} from './fake-maps'
 
 let folder = 0
 let mapsPath = ''
@@ -189,6 +198,21 @@ describe('setters', () => {
     before.addEventListener('dispose', dispose)
     material.metal = 'copper'
     expect(dispose).toHaveBeenCalledOnce()
+  })
+
+  it('frees what a foil brings, bumps among it, when it is disposed of', async () => {
+    const normal = { pixels: new Uint8Array(4), size: [1, 1] as [number, number] }
+    serve({ foil: fakeFoil(undefined, undefined, normal) })
+    const material = makeMaterial({ surface: await Foil.load(`${mapsPath}foil`) })
+    await material.ready
+    expect(included(material, 'bumps')).toBe(true)
+    const freed: string[] = []
+    for (const name of ['uFoilMap', 'uFoilNormal', 'uFoilShares'])
+      (material.uniforms[name]!.value as Texture).addEventListener('dispose', () => {
+        freed.push(name)
+      })
+    material.dispose()
+    expect(freed.sort()).toEqual(['uFoilMap', 'uFoilNormal', 'uFoilShares'])
   })
 })
 

@@ -1,11 +1,25 @@
-import { Vector2 } from 'three'
+import {
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  RepeatWrapping,
+  Vector2,
+  type DataTexture,
+} from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { loadMap } from '../../web/maps/load'
 import { DEFAULT_SETTINGS } from '../../web/materials/options'
 import { Foil, type FoilOptions } from '../../web/surfaces/foil'
 import { Grating } from '../../web/surfaces/grating'
 import { serveBakedMaps } from './baked-maps'
-import { fakeFoil, fakeLobes, fakeMetals, fakeProfile, filesOf, serveFiles } from './fake-maps'
+import {
+  fakeFoil,
+  fakeLobes,
+  fakeMetals,
+  fakeProfile,
+  filesOf,
+  serveFiles,
+  STEEPEST,
+} from './fake-maps'
 import { refuses } from './refuses'
 
 const options = { period: 1.6, height: 0.12 }
@@ -138,6 +152,31 @@ describe('a foil', () => {
     }
     expect(filtered({})).toBe(true)
     expect(filtered({ filtered: false })).toBe(false)
+  })
+
+  it('reads bumps between texels where its map has them, and knows nothing of them where not', async () => {
+    const flat = new Foil(await loadMap('maps/foil'))
+    expect(flat.hasBumps).toBe(false)
+    expect(flat.defines).toEqual({})
+    expect(Object.keys(flat.uniforms).join()).not.toContain('Normal')
+
+    const pixels = Uint8Array.of(1, 2, 255, 255, 3, 4, 255, 255)
+    serveFiles(filesOf({ 'maps/bumpy': fakeFoil(undefined, undefined, { pixels, size: [1, 2] }) }))
+    const { hasBumps, defines, uniforms } = new Foil(await loadMap('maps/bumpy'))
+    expect(hasBumps).toBe(true)
+    expect(defines).toEqual({ FOIL_BUMPS: '' })
+    const named = uniforms as unknown as Record<string, { value: unknown }>
+    const texture = named.uFoilNormal!.value as DataTexture
+    // v grows upwards.
+    expect(Array.from(texture.image.data!)).toEqual([3, 4, 255, 255, 1, 2, 255, 255])
+    expect([texture.wrapS, texture.wrapT]).toEqual([RepeatWrapping, RepeatWrapping])
+    expect(texture.magFilter).toBe(LinearFilter)
+    expect([texture.minFilter, texture.generateMipmaps]).toEqual([LinearMipmapLinearFilter, true])
+    // Texel 128 is none, 127 more the steepest.
+    const offset = (named.uFoilNormalOffset!.value as Vector2).x
+    const scale = (named.uFoilNormalScale!.value as Vector2).y
+    expect(offset + (scale * 128) / 255).toBeCloseTo(0, 12)
+    expect(offset + scale).toBeCloseTo(STEEPEST, 12)
   })
 
   it('refuses a map of another kind, and a repeat that is none', async () => {

@@ -2,6 +2,8 @@ import {
   DataTexture,
   FloatType,
   HalfFloatType,
+  LinearFilter,
+  LinearMipmapLinearFilter,
   RepeatWrapping,
   RGBAFormat,
   UnsignedByteType,
@@ -22,14 +24,28 @@ const TYPES: Record<Dtype, TextureDataType> = {
  * foil lies neither's orientation, and the mean of two orientations is a third that is not there.
  */
 export function imageTexture(map: LoadedMap, name: string): DataTexture {
+  return sharedTexture(map, name, () => unfiltered(imageOf(map, name)))
+}
+
+/** Likewise of what has a mean, such as slopes: blended between texels, and mipmapped. */
+export function smoothImageTexture(map: LoadedMap, name: string): DataTexture {
   return sharedTexture(map, name, () => {
-    const { spec, data } = arrayOf(map, name)
-    const [height, width] = spec.shape
-    const texture = new DataTexture(flipRows(data, height!), width, height, RGBAFormat)
-    texture.type = TYPES[spec.dtype]
-    texture.wrapS = texture.wrapT = RepeatWrapping
-    return unfiltered(texture)
+    const texture = imageOf(map, name)
+    texture.magFilter = LinearFilter
+    texture.minFilter = LinearMipmapLinearFilter
+    texture.generateMipmaps = true
+    texture.needsUpdate = true
+    return texture
   })
+}
+
+function imageOf(map: LoadedMap, name: string): DataTexture {
+  const { spec, data } = arrayOf(map, name)
+  const [height, width] = spec.shape
+  const texture = new DataTexture(flipRows(data, height!), width, height, RGBAFormat)
+  texture.type = TYPES[spec.dtype]
+  texture.wrapS = texture.wrapT = RepeatWrapping
+  return texture
 }
 
 function flipRows(data: MapArray['data'], rows: number): MapArray['data'] {

@@ -1,10 +1,20 @@
 import type { JsonReader } from './json'
-import type { ArraySpec, MapKind } from './sidecar'
+import type { ArraySpec, Dtype, MapKind } from './sidecar'
 
-/** What each kind of map must hold: its arrays with their channels, its constants with their counts. */
+interface ArrayContents {
+  rank: number
+  channels: number
+  dtype?: Dtype
+}
+
+/** What each kind of map must hold, and may hold: its arrays with their channels, its constants with their counts. */
 const CONTENTS: Record<
   MapKind,
-  { arrays: Record<string, { rank: number; channels: number }>; constants: Record<string, number> }
+  {
+    arrays: Record<string, ArrayContents>
+    optional?: Record<string, ArrayContents>
+    constants: Record<string, number>
+  }
 > = {
   profile: {
     arrays: { efficiency: { rank: 3, channels: 1 } },
@@ -47,11 +57,12 @@ const CONTENTS: Record<
   },
   foil: {
     arrays: { grating: { rank: 3, channels: 4 } },
+    optional: { normal: { rank: 3, channels: 4, dtype: 'uint8' } },
     constants: { height_um: 1, min_frequency: 1, max_frequency: 1, tile_mm: 2 },
   },
 }
 
-/** Refuses a sidecar that lacks what its kind of map must hold. */
+/** Refuses a sidecar that lacks what its kind of map must hold, or has it otherwise. */
 export function checkContents(
   kind: MapKind,
   arraysField: JsonReader,
@@ -60,13 +71,19 @@ export function checkContents(
   constants: Record<string, number[]>,
 ): void {
   const contents = CONTENTS[kind]
-  for (const [name, { rank, channels }] of Object.entries(contents.arrays)) {
+  for (const name of Object.keys(contents.arrays))
+    if (arrays[name] === undefined)
+      throw arraysField.field(name).refuse(`an array, in a map of ${kind}`)
+  const known = { ...contents.arrays, ...contents.optional }
+  for (const [name, { rank, channels, dtype }] of Object.entries(known)) {
     const spec = arrays[name]
-    if (spec === undefined) throw arraysField.field(name).refuse(`an array, in a map of ${kind}`)
+    if (spec === undefined) continue
     if (spec.shape.length !== rank)
       throw arraysField.field(name).field('shape').refuse(`${rank} sizes`)
     if (spec.shape.at(-1) !== channels)
       throw arraysField.field(name).field('shape').refuse(`${channels} channels`)
+    if (dtype !== undefined && spec.dtype !== dtype)
+      throw arraysField.field(name).field('dtype').refuse(dtype)
   }
   for (const [name, count] of Object.entries(contents.constants))
     if (constants[name]?.length !== count)

@@ -419,6 +419,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#planar.dispose()
     this.#blurred.dispose()
     for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
+    for (const { value } of Object.values(this.#surface.uniforms)) disposeTexture(value)
   }
 
   /** Shares surface and tables with the source, and copies the rest. */

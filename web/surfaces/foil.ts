@@ -1,4 +1,4 @@
-import { Vector2, Vector4, type Vector3 } from 'three'
+import { Vector2, Vector4, type IUniform, type Vector3 } from 'three'
 import foilClustersGlsl from '../../shaders/surfaces/foil-clusters.glsl?raw'
 import foilSharesGlsl from '../../shaders/surfaces/foil-shares.glsl?raw'
 import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
@@ -6,7 +6,7 @@ import { DiffractionError } from '../errors'
 import { opticsShaders } from '../glsl/optics-shaders'
 import { loadSharedMap } from '../maps/cache'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load'
-import { imageTexture } from '../maps/image-texture'
+import { imageTexture, smoothImageTexture } from '../maps/image-texture'
 import { floatLiteral } from '../glsl/float-literal'
 import { CLUSTERS, FoilContents, isOnePeriod, type FoilMean } from './foil-contents'
 import { MOST_GRATINGS } from './foil-shares'
@@ -32,13 +32,15 @@ export class Foil extends GratingSurface {
     'foil-clusters.glsl': foilClustersGlsl,
     'foil-shares.glsl': foilSharesGlsl,
   }
-  readonly defines = {}
+  readonly defines: Record<string, string>
   readonly isPartial: boolean
   readonly uniforms
   /** Size of one tile, mm. */
   readonly tile: readonly [number, number]
   /** Whether pixels that cover many texels show their mean. */
   readonly filtered: boolean
+  /** Whether the map has bumps: normals of its own, which bend those of the mesh. */
+  readonly hasBumps: boolean
   protected readonly periodRange: readonly [number, number]
   protected readonly mapRead
   protected override readonly frequencyReach
@@ -61,11 +63,14 @@ export class Foil extends GratingSurface {
     const [tileWidth, tileHeight] = constantOf(map, 'tile_mm')
     this.tile = [tileWidth!, tileHeight!]
     this.periodRange = periodsOf(map)
+    this.hasBumps = 'normal' in map.arrays
+    this.defines = this.hasBumps ? { FOIL_BUMPS: '' } : {}
     this.uniforms = {
       uFoilMap: { value: imageTexture(map, 'grating') },
       uFoilOffset: { value: new Vector4().fromArray(decode.map(([offset]) => offset)) },
       uFoilScale: { value: new Vector4().fromArray(decode.map(([, scale]) => scale)) },
       uFoilRepeat: { value: options.repeat?.clone() ?? new Vector2(1, 1) },
+      ...(this.hasBumps && bumpUniforms(map)),
     }
     this.repeat = this.uniforms.uFoilRepeat.value
     this.filtered = options.filtered ?? true
@@ -93,6 +98,11 @@ export class Foil extends GratingSurface {
         feature: 'mean over the texels of a pixel',
         included: mean !== null,
         why: this.#whyMean(),
+      },
+      {
+        feature: 'bumps',
+        included: this.hasBumps,
+        why: this.hasBumps ? 'the map has normals' : 'the map has no normals',
       },
     ]
     if (mean === null) return { ...optics, features }
@@ -169,12 +179,21 @@ export class Foil extends GratingSurface {
   }
 
   get planarGratings(): readonly Vector3[] | null {
-    return this.#mean?.kind === 'shares' ? this.#mean.gratings : null
+    return this.#mean?.kind === 'shares' && !this.hasBumps ? this.#mean.gratings : null
   }
 
   /** Shortest and longest period on the foil, µm. */
   get period(): readonly [number, number] {
     return this.periodRange
+  }
+}
+
+function bumpUniforms(map: LoadedMap): Record<string, IUniform> {
+  const [u, v] = arrayOf(map, 'normal').spec.decode!
+  return {
+    uFoilNormal: { value: smoothImageTexture(map, 'normal') },
+    uFoilNormalOffset: { value: new Vector2(u![0], v![0]) },
+    uFoilNormalScale: { value: new Vector2(u![1], v![1]) },
   }
 }
 

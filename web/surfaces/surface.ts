@@ -113,7 +113,7 @@ export interface Surface {
   readonly isPartial: boolean
   /**
    * cos θ, sin θ and frequency (1/µm) of the gratings that all of the surface is made of, in the order of the layers that
-   * its GLSL reads where PLANAR_TEXELS is defined; null where they turn from place to place, or are no gratings.
+   * its GLSL reads where PLANAR_TEXELS is defined; null where they turn or lean from place to place, or are no gratings.
    */
   readonly planarGratings: readonly Vector3[] | null
   /** Counts the changes that reach beyond `uniforms`: materials compare it before they render. */
