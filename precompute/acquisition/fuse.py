@@ -89,6 +89,5 @@ def acquire_fused(
         tile_mm=(float(tile[0]), float(tile[1])),
         recipe={**foil.recipe, "fused": told},
     )
-    if "confidence" in foil.tables:
-        made.tables["confidence"] = foil.tables["confidence"]
+    made.tables |= {name: table for name, table in foil.tables.items() if name != "grating"}
     return made, fusion

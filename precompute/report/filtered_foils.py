@@ -13,8 +13,8 @@ from precompute.acquisition.orientation_filter import FilterOptions, filtered_or
 from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
 from precompute.acquisition.polarization_simulation import Sheet
 from precompute.acquisition.radiance import Lamp, Relief, foil_radiance
-from precompute.acquisition.simulate import SmoothField
 from precompute.files import written_aside
+from precompute.foils.bumps import random_bumps
 from precompute.maps import Map
 from precompute.profiles import Sinusoidal
 from precompute.report.polarized_photographs import PolarizedPhotographs
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 PICTURE = "acquisition-filtered.png"
 
 DESIGN = "polygons"
-BUMPS_DEG, NOISE = 0.3, 0.03
+BUMPS_DEG, BUMP_MM, NOISE = 0.3, 3.0, 0.03
 """Of the sheet that is filtered, and of its photographs, of full scale."""
 
 PASSES = (0, 1, 3, 10, 50)
@@ -59,7 +59,7 @@ def filter_rows(work: Path, pictures: Path) -> Iterator[Acquisition]:
         work: A folder for photographs, which may be deleted afterwards.
         pictures: Folder for `PICTURE`.
     """
-    sheet = Sheet(size_mm=(25.0, 25.0), bumps_deg=BUMPS_DEG, bump_mm=3)
+    sheet = Sheet(size_mm=(25.0, 25.0), bumps_deg=BUMPS_DEG, bump_mm=BUMP_MM)
     taken = PolarizedPhotographs.of(DESIGN, work / "filtered", noise=NOISE, sheet=sheet)
     for name, options in FILTERS.items():
         for passes, away in step_wear(options).items():
@@ -127,8 +127,11 @@ def _rendered(foil: Map, bumps_deg: float, light: tuple[float, float, float]) ->
     flat = Gratings(*(part.ravel() for part in vars(texels).values()))
     gratings = flat[texel_indices(texels.orientation.shape, place)]
     points = (place - 0.5) * size
-    rng = np.random.default_rng(2)
-    tilts = SmoothField(rng, size, 3.0, np.radians(bumps_deg)).at(points)
+    tilts = np.zeros_like(points)
+    if bumps_deg > 0:
+        slope = np.tan(np.radians(bumps_deg))
+        bumps = random_bumps((ACROSS, ACROSS), (float(size[0]), float(size[1])), slope, BUMP_MM, 2)
+        tilts = -bumps.normal.reshape(-1, 2)
     weights = colour_weights("1931-2", "D65") @ xyz_to_linear_srgb("1931-2", "D65").T
     lamp = Lamp(np.array(light), np.radians(0.7), weights * WAVELENGTH_STEP)
     height = float(np.ravel(foil.constants["height_um"])[0])
