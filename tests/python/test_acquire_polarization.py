@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, get_task_stream
 from PIL import Image
 from refusals import refused
 from typer.testing import CliRunner, Result
@@ -332,7 +332,7 @@ def test_a_cluster_writes_the_same_bytes(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
         Client(cluster) as onlooker,
-        onlooker.get_task_stream() as tasks,
+        get_task_stream(onlooker) as tasks,
     ):
         scheduler = ("--scheduler", cluster.scheduler_address)
         assert run(*command, "-o", there / "foil", *scheduler).exit_code == 0
