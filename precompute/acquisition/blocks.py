@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from os import cpu_count
@@ -43,7 +43,9 @@ class Run(Protocol):
     ) -> Iterator[Result]: ...
 
 
-def in_threads(work: Callable[[Block], Result], blocks: Iterable[Block]) -> Iterator[Result]:
+def in_threads(
+    work: Callable[[Block], Result], blocks: Iterable[Block]
+) -> Generator[Result, None, None]:
     """A `Run` on this machine, a thread for each of its processors.
 
     >>> list(in_threads(abs, [-2, 1, -3]))

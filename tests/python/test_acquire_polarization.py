@@ -317,6 +317,11 @@ def test_clipped_pixels_are_unknown(capture: Path, tmp_path: Path) -> None:
 # ---- On a cluster --------------------------------------------------------------------------------
 
 
+def local_cluster(workers: int) -> Any:
+    """Of processes with one thread each; what Dask says of its type is that of its coroutines."""
+    return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0")
+
+
 def test_a_cluster_writes_the_same_bytes(
     capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -327,15 +332,11 @@ def test_a_cluster_writes_the_same_bytes(
     here, there = tmp_path / "here", tmp_path / "there"
     command = ("acquire", "polarization", capture, "--passes", "2")
     assert run(*command, "-o", here / "foil").exit_code == 0
-    with (
-        LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-        ) as cluster,
-        Client(cluster) as onlooker,
-        get_task_stream(onlooker) as tasks,
-    ):
-        scheduler = ("--scheduler", cluster.scheduler_address)
-        assert run(*command, "-o", there / "foil", *scheduler).exit_code == 0
+    with local_cluster(2) as cluster, Client(cluster) as onlooker:
+        stream: Any = get_task_stream(onlooker)
+        with stream as tasks:
+            scheduler = ("--scheduler", cluster.scheduler_address)
+            assert run(*command, "-o", there / "foil", *scheduler).exit_code == 0
     # The photographs' means and circle are fitted first, then all of them, then two passes.
     assert len(tasks.data) == 12 + 12 + 8 + 8
     assert len({task["worker"] for task in tasks.data}) == 2
@@ -361,7 +362,7 @@ def test_a_scheduler_that_is_none(
 
 
 def test_a_cluster_without_workers() -> None:
-    with LocalCluster(n_workers=0, processes=False, dashboard_address=None) as cluster:
+    with local_cluster(0) as cluster:
         address = cluster.scheduler_address
         with refused("options", "scheduler", address, "one worker or more"):
             with blocks.on_cluster(address):
