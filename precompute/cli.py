@@ -284,11 +284,19 @@ def acquire_polarization(
     passes: Annotated[
         int, typer.Option(help="Of a filter that takes noise and bumps out of orientations.")
     ] = 3,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Of a Dask cluster's scheduler: fits and filters there instead of in threads.",
+        ),
+    ] = None,
     debug: Debug = None,
 ) -> None:
     """A foil's map from photographs through a turning polariser, and NAME.report.json."""
     from math import radians
 
+    from precompute.acquisition.blocks import running
     from precompute.acquisition.polarization import PolarizationOptions
     from precompute.acquisition.polarization import acquire_polarization as acquired_from
     from precompute.acquisition.polarization_pictures import write_pictures
@@ -300,7 +308,8 @@ def acquire_polarization(
         told = (period, period) if period is not None else periods
         turn = None if offset is None else radians(offset)
         options = PolarizationOptions(size, height, turn, told, passes)
-        acquired = acquired_from(capture, options, _remark)
+        with running(scheduler) as run:
+            acquired = acquired_from(capture, options, _remark, run)
         acquired.foil.write(output.parent, output.name)
         acquired.report.write(output.parent / f"{output.name}.report.json")
         for line in acquired.report.lines():

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
+from precompute.acquisition.blocks import Run, in_threads
 from precompute.acquisition.phase_circle import PhaseCircle, centred, modulations, phase_circle
 from precompute.acquisition.polarization_fit import (
     HarmonicFit,
@@ -61,12 +62,13 @@ class Diffracting:
     noise: Pixels
 
 
-def diffracting(light: Pixels, polariser: Array) -> Diffracting:
+def diffracting(light: Pixels, polariser: Array, run: Run = in_threads) -> Diffracting:
     """Fit photographs that lie on one another, and find who diffracts.
 
     Args:
         light: Shape (photographs, rows, columns), NaN where it is unknown.
         polariser: ψ of each photograph, rad.
+        run: Fits blocks.
 
     Raises:
         InputError: Fewer than three angles differ modulo π, or no pixel diffracts.
@@ -77,9 +79,9 @@ def diffracting(light: Pixels, polariser: Array) -> Diffracting:
     _check_any(known)
     # Over bare pixels too: what they add to the means moves all points alike, as the circle is.
     harmonics = Harmonics.of(polariser, photograph_means(some, known))
-    fit = fitted(some, harmonics)
+    fit = fitted(some, harmonics, run)
     circle = phase_circle(modulations(fit)[_bright(fit)])
-    fit = centred(fitted(light, harmonics), circle)
+    fit = centred(fitted(light, harmonics, run), circle)
     bright = _bright(fit)
     alike, least = _alikeness(fit, bright)
     if alike < least:

@@ -17,15 +17,16 @@ Other than in the paper
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from os import cpu_count
+from dataclasses import dataclass, replace
+from functools import partial
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from precompute.acquisition.blocks import Run, in_threads
 from precompute.errors import InputError
+from precompute.progress import tracked
 
 Pixels = NDArray[np.float32]
 
@@ -36,16 +37,23 @@ LEAST, MOST = 1e-4, 2.0
 """Uncertainties, rad, are taken as no smaller, which keeps squares of weights within single
 precision, and as no larger, from where on they all mean the same: not known."""
 
-BLOCK = 2**15
-"""Pixels that are filtered at once: what is kept of them fits into a processor's cache."""
+LOWEST = np.float32(-80)
+"""Exponent of what counts as nothing: beyond, OpenCV's exponential, four times as fast as NumPy's,
+becomes a hundred times slower."""
 
+STRIP = 2**15
+"""Pixels that are filtered at once: what is kept of them fits into a processor's cache."""
 
 SLOPE_REACH, SLOPE_ROUNDS = 4, 4
 """A slope is that of pixels no further than so, row- and columnwise; in so many rounds what differs
 from the others there, a step, is left out."""
 
-SLOPE_ROWS = 256
-"""Rows whose slopes are found at once."""
+BLOCK, BLOCK_ROWS = 2**16, 32
+"""Pixels of a block, and how many rows it has at the least: as many as its margins, which slopes
+take."""
+
+CHANGED = ("cosine", "sine", "variance", "weight")
+"""Arrays of a field that a pass renews."""
 
 
 @dataclass(frozen=True)
@@ -102,15 +110,30 @@ class _Field:
         sine: sin 2θ.
         variance: Of θ, rad².
         weight: 1/variance; 0 where nothing is known.
+        first: The variance of what went into the first pass.
     """
 
     cosine: Pixels
     sine: Pixels
     variance: Pixels
     weight: Pixels
+    first: Pixels
 
-    def part(self, rows: slice, columns: slice) -> _Field:
+    def part(self, rows: slice, columns: slice = slice(None)) -> _Field:
         return _Field(*(array[rows, columns] for array in vars(self).values()))
+
+
+@dataclass(frozen=True)
+class _Block:
+    """What it takes to filter some rows.
+
+    Attributes:
+        field: Those rows, and such above and below as windows and slopes reach.
+        rows: Which of them.
+    """
+
+    field: _Field
+    rows: slice
 
 
 def filtered_orientation(
@@ -119,6 +142,7 @@ def filtered_orientation(
     mask: ArrayLike,
     options: FilterOptions | None = None,
     passed: Callable[[int, Pixels], None] | None = None,
+    run: Run = in_threads,
 ) -> FilteredOrientation:
     """Filter a map of orientations.
 
@@ -129,6 +153,7 @@ def filtered_orientation(
             are taken as if they did not.
         options: How much is smoothed.
         passed: Told the number of passes done and θ after each of them.
+        run: Filters blocks of rows; what comes out does not depend on how many these are.
 
     Raises:
         InputError: Shapes differ, an uncertainty is not above 0, or an option is out of range.
@@ -136,17 +161,21 @@ def filtered_orientation(
     options = options or FilterOptions()
     θ = np.asarray(orientation, np.float32)
     known, σ = _checked(θ, uncertainty, mask)
-    radius = int(np.ceil(REACH * options.spatial))
+    radius = _radius(options)
     now = _field(θ, σ, known, radius)
-    first = now.variance
     for done in range(options.iterations):
-        now = _pass(now, first, options, radius, is_first=done == 0)
+        now = _pass(now, options, done, run)
         if passed is not None:
             passed(done + 1, _orientation(now, radius))
     return FilteredOrientation(
         _orientation(now, radius),
         np.where(known, np.sqrt(_inner(now.variance, radius)), np.float32(np.nan)),
     )
+
+
+def _radius(options: FilterOptions) -> int:
+    """Of a window, and margin of the field."""
+    return int(np.ceil(REACH * options.spatial))
 
 
 def _checked(
@@ -173,6 +202,7 @@ def _field(θ: Pixels, σ: Pixels, known: NDArray[np.bool_], margin: int) -> _Fi
         np.where(known, np.sin(2 * θ), np.float32(0)),
         variance,
         known / variance,
+        variance,
     )
     return _Field(*(np.pad(array.astype(np.float32), margin) for array in arrays))
 
@@ -190,35 +220,46 @@ def _orientation(field: _Field, margin: int) -> Pixels:
     return np.where(weight > 0, θ, np.float32(np.nan))
 
 
-def _pass(
-    now: _Field, first: Pixels, options: FilterOptions, radius: int, *, is_first: bool
-) -> _Field:
-    """One pass over all pixels, strip by strip."""
-    out = _Field(*(array.copy() for array in vars(now).values()))
-    slopes = None if is_first else _slopes(now)
+def _pass(now: _Field, options: FilterOptions, done: int, run: Run) -> _Field:
+    """One pass over all pixels after so many others, block by block."""
+    radius = _radius(options)
+    margin = radius if done == 0 else max(radius, SLOPE_REACH * SLOPE_ROUNDS)
     rows, columns = (size - 2 * radius for size in now.weight.shape)
-    step = max(1, BLOCK // columns)
+    step = max(BLOCK_ROWS, BLOCK // columns)
+    strips = [
+        slice(start, min(start + step, radius + rows))
+        for start in range(radius, radius + rows, step)
+    ]
 
-    def filter_strip(start: int) -> None:
-        some = slice(radius + start, radius + min(start + step, rows))
-        _filter_strip(now, first, slopes, out, some, options, radius)
+    def block(strip: slice) -> _Block:
+        above = max(strip.start - margin, 0)
+        inner = slice(strip.start - above, strip.stop - above)
+        return _Block(now.part(slice(above, strip.stop + margin)), inner)
 
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        for _ in pool.map(filter_strip, range(0, rows, step)):
-            pass
+    work = partial(_filtered, options=options, is_first=done == 0)
+    title = f"filtering, pass {done + 1} of {options.iterations}"
+    out = replace(now, **{name: getattr(now, name).copy() for name in CHANGED})
+    found = zip(strips, run(work, map(block, strips)), strict=True)
+    for strip, arrays in tracked(found, title, len(strips)):
+        for name, array in zip(CHANGED, arrays, strict=True):
+            getattr(out, name)[strip, radius:-radius] = array
     return out
 
 
-def _filter_strip(
-    now: _Field,
-    first: Pixels,
-    slopes: tuple[Pixels, Pixels] | None,
-    out: _Field,
-    rows: slice,
-    options: FilterOptions,
-    radius: int,
-) -> None:
-    """Filter some rows of a padded field into another.
+def _filtered(block: _Block, options: FilterOptions, *, is_first: bool) -> list[Pixels]:
+    """The arrays `CHANGED` of a block's rows, without margins."""
+    slopes = None if is_first else _slopes(block.field)
+    start, stop = block.rows.start, block.rows.stop
+    step = max(1, STRIP // block.field.weight.shape[1])
+    strips = [slice(top, min(top + step, stop)) for top in range(start, stop, step)]
+    found = [_filtered_strip(block.field, slopes, strip, options) for strip in strips]
+    return [np.concatenate(arrays) for arrays in zip(*found, strict=True)]
+
+
+def _filtered_strip(
+    now: _Field, slopes: tuple[Pixels, Pixels] | None, rows: slice, options: FilterOptions
+) -> list[Pixels]:
+    """Filter some rows of a padded field.
 
     What is averaged in a pass was averaged before, together with pixels around it. A window over
     a field of independent errors leaves Σw²s²/(Σw)² of their variance s², and one that has been
@@ -227,82 +268,90 @@ def _filter_strip(
 
     Args:
         now: What is filtered.
-        first: The variance of what went into the first pass.
         slopes: Of 2θ along rows and columns, rad per pixel; in the first pass there are none, and
             the window's median stands for its middle.
-        out: Where results go.
         rows: Which.
         options: How much is smoothed.
-        radius: Of the window, and margin of the field.
+
+    Returns:
+        The arrays `CHANGED` of these rows, without margins.
     """
+    radius = _radius(options)
     here = slice(radius, now.weight.shape[1] - radius)
     middle = now.part(rows, here)
+    reach = range(-radius, radius + 1)
     if slopes is None:
         pivot_cosine, pivot_sine = _median(now, rows, radius)
+        turns_across, turns_down = {}, {}
     else:
         pivot_cosine, pivot_sine = middle.cosine, middle.sine
-    # |z − z'| = 2 sin δθ, twice the difference of orientations.
-    apart = np.float32(4 * options.deviations**2)
-    common = np.float32(4 * options.range**2) + apart * middle.variance
+        turns_across, turns_down = (
+            {pixels: _turn(slope[rows, here], pixels) for pixels in reach} for slope in slopes
+        )
+    # |z − z'| = 2 sin δθ, twice the difference of orientations, and −2 is a Gaussian's.
+    apart = np.float32(-2 * 4 * options.deviations**2)
+    common = np.float32(-2 * 4 * options.range**2) + apart * middle.variance
     total, cosine, sine, spread, carried = np.zeros((5, *middle.weight.shape), np.float32)
-    for down in range(-radius, radius + 1):
-        for across in range(-radius, radius + 1):
+    for down in reach:
+        # What is in a row is turned back by the slope along it; instead of by that down to it, too,
+        # the pivot is turned to there, and the row's sum back.
+        row_cosine, row_sine = np.zeros((2, *middle.weight.shape), np.float32)
+        p, q = pivot_cosine, pivot_sine
+        if slopes is not None:
+            x, y = turns_down[down]
+            p, q = p * x - q * y, q * x + p * y
+        for across in reach:
             if down**2 + across**2 > (REACH * options.spatial) ** 2:
                 continue
-            there = (
+            other = now.part(
                 slice(rows.start + down, rows.stop + down),
                 slice(here.start + across, here.stop + across),
             )
-            other = now.part(*there)
             c, s = other.cosine, other.sine
             if slopes is not None:
-                along, up = slopes
-                turned = np.float32(across) * along[rows, here]
-                turned += np.float32(down) * up[rows, here]
-                x, y = np.cos(turned), np.sin(turned)
+                x, y = turns_across[across]
                 c, s = c * x + s * y, s * x - c * y
-            w = (c - pivot_cosine) ** 2
-            w += (s - pivot_sine) ** 2
+            w = (c - p) ** 2
+            w += (s - q) ** 2
             w /= common + apart * other.variance
-            w *= np.float32(-0.5)
             w -= np.float32(0.5 * (down**2 + across**2) / options.spatial**2)
-            np.exp(w, out=w)
+            np.maximum(w, LOWEST, out=w)
+            cv2.exp(w, w)
             w *= other.weight
             total += w
-            cosine += w * c
-            sine += w * s
+            row_cosine += w * c
+            row_sine += w * s
             carried += w * other.variance
             w *= w
-            w *= first[there]
+            w *= other.first
             spread += w
+        if slopes is not None:
+            x, y = turns_down[down]
+            row_cosine, row_sine = row_cosine * x + row_sine * y, row_sine * x - row_cosine * y
+        cosine += row_cosine
+        sine += row_sine
     length = np.hypot(cosine, sine)
     good = (middle.weight > 0) & (length > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         precision = total**2 / spread
         if slopes is not None:
             precision += total / carried
-        for array, value in (
-            (out.cosine, cosine / length),
-            (out.sine, sine / length),
-            (out.variance, 1 / precision),
-            (out.weight, precision),
-        ):
-            array[rows, here] = np.where(good, value, array[rows, here])
+        found = (cosine / length, sine / length, 1 / precision, precision)
+        return [
+            np.where(good, value, getattr(middle, name))
+            for name, value in zip(CHANGED, found, strict=True)
+        ]
+
+
+def _turn(slope: Pixels, pixels: int) -> tuple[Pixels, Pixels]:
+    """Cosine and sine of what a slope grows to over so many pixels."""
+    turned = np.float32(pixels) * slope
+    return np.cos(turned), np.sin(turned)
 
 
 def _slopes(now: _Field) -> tuple[Pixels, Pixels]:
     """How 2θ grows along rows and along columns around each pixel, rad per pixel; 0 if unknown."""
-    rows = now.weight.shape[0]
-    margin = SLOPE_REACH * SLOPE_ROUNDS
-    found = np.zeros((2, *now.weight.shape), np.float32)
-    for start in range(0, rows, SLOPE_ROWS):
-        stop = min(start + SLOPE_ROWS, rows)
-        above = max(start - margin, 0)
-        part = now.part(slice(above, min(stop + margin, rows)), slice(None))
-        for axis in (0, 1):
-            slope = _slope(part, axis)
-            found[axis, start:stop] = slope[start - above : stop - above]
-    return found[1], found[0]
+    return _slope(now, 1), _slope(now, 0)
 
 
 def _slope(part: _Field, axis: int) -> Pixels:

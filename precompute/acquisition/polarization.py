@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
+from precompute.acquisition.blocks import Run, in_threads
 from precompute.acquisition.capture import Capture, read_capture
 from precompute.acquisition.diffracting import Diffracting, diffracting
 from precompute.acquisition.evidence import Evidence, PhotographError
 from precompute.acquisition.orientation_filter import FilterOptions, filtered_orientation
-from precompute.acquisition.polarization_fit import Pixels, distinct_angles
+from precompute.acquisition.polarization_fit import Pixels, distinct_angles, repeated_angles
 from precompute.acquisition.polarization_report import (
     Circle,
     PhotographLaid,
@@ -98,7 +99,10 @@ class Polarized:
 
 
 def acquire_polarization(
-    file: Path, options: PolarizationOptions, say: Callable[[str], None]
+    file: Path,
+    options: PolarizationOptions,
+    say: Callable[[str], None],
+    run: Run = in_threads,
 ) -> Polarized:
     """Solve a capture.
 
@@ -106,6 +110,7 @@ def acquire_polarization(
         file: The capture file.
         options: How.
         say: Takes remarks as they arise.
+        run: Fits and filters blocks.
 
     Raises:
         InputError: The capture or a photograph cannot be used: see `read_capture`,
@@ -120,10 +125,10 @@ def acquire_polarization(
 
     capture = read_capture(file, "polarization")
     _check_files(file, capture)
-    _check_angles(file, capture)
+    _check_angles(file, capture, remark)
     registered = registered_light(capture, file.parent, options.size, remark)
     try:
-        found = diffracting(registered.light, registered.polariser)
+        found = diffracting(registered.light, registered.polariser, run)
     except InputError as error:
         about = InputError(file, error.field, error.value, error.expected)
         first = np.nan_to_num(np.asarray(registered.light[0]))[..., None]
@@ -141,7 +146,8 @@ def acquire_polarization(
     elif periods[0] < periods[1]:
         remark("periods go with the root of brightness, the 2018 paper's heuristic")
     report = _report(registered, found, options, periods, remarks)
-    return Polarized(_map(capture, found, options, periods, report), registered, found, report)
+    foil = _map(capture, found, options, periods, report, run)
+    return Polarized(foil, registered, found, report)
 
 
 def confidences(found: Diffracting) -> Pixels:
@@ -187,12 +193,16 @@ def _check_files(file: Path, capture: Capture) -> None:
     raise InputError(file, "photographs", found, f"{len(names)} files, one for each")
 
 
-def _check_angles(file: Path, capture: Capture) -> None:
+def _check_angles(file: Path, capture: Capture, say: Callable[[str], None]) -> None:
     stated = [photograph.polariser_deg or 0.0 for photograph in capture.photographs]
-    apart = distinct_angles(np.radians(stated))
+    angles = np.radians(stated)
+    apart = distinct_angles(angles)
     if apart < 3:
         expected = f"three angles that differ modulo 180°, not {apart}"
         raise InputError(file, "photographs.polariser_deg", stated, expected)
+    for group in repeated_angles(angles):
+        which = ", ".join(map(str, group[:-1]))
+        say(f"photographs {which} and {group[-1]} are at one angle modulo 180° and count as one")
 
 
 def _map(
@@ -201,10 +211,12 @@ def _map(
     options: PolarizationOptions,
     periods: tuple[float, float],
     report: PolarizationReport,
+    run: Run,
 ) -> Map:
     seen = found.fit.phase / 2 + (options.offset or 0.0)
     known = np.maximum(found.noise / 2, SHARPEST)
-    smooth = filtered_orientation(seen, known, found.mask, FilterOptions(iterations=options.passes))
+    passes = FilterOptions(iterations=options.passes)
+    smooth = filtered_orientation(seen, known, found.mask, passes, run=run)
     foil = foil_map(
         np.where(found.mask, smooth.orientation, 0),
         1 / relative_periods(found, periods),

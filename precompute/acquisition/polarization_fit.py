@@ -6,14 +6,15 @@ What leaves a point is made of 1, cos 2ψ and sin 2ψ of the polariser's angle �
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from os import cpu_count
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from precompute.acquisition.blocks import Run, in_threads
 from precompute.errors import InputError
+from precompute.progress import tracked
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.float32]
@@ -99,6 +100,22 @@ class HarmonicFit:
     correlation: Pixels
 
 
+def repeated_angles(polariser: Array) -> list[list[int]]:
+    """Which of angles, rad, are one modulo π, none being `APART` from the next: two or more each.
+
+    >>> repeated_angles(np.radians([0, 45, 90, 135, 180]))
+    [[0, 4]]
+    """
+    turned = np.mod(polariser, np.pi)
+    order = np.argsort(turned, kind="stable")
+    # Begin after a gap, so that none goes on where the half turn does.
+    gaps = np.diff(turned[order], append=turned[order[0]] + np.pi)
+    first = int(np.argmax(gaps)) + 1
+    order, gaps = np.roll(order, -first), np.roll(gaps, -first)
+    groups = np.split(order, np.flatnonzero(gaps[:-1] >= APART) + 1)
+    return sorted(sorted(group.tolist()) for group in groups if len(group) > 1)
+
+
 def distinct_angles(polariser: Array) -> int:
     """How many of angles, rad, differ modulo π by `APART` or more.
 
@@ -131,30 +148,26 @@ def photograph_means(photographs: Pixels, mask: NDArray[np.bool_]) -> Array:
     return means
 
 
-def fitted(photographs: Pixels, harmonics: Harmonics, block: int = BLOCK) -> HarmonicFit:
+def fitted(photographs: Pixels, harmonics: Harmonics, run: Run = in_threads) -> HarmonicFit:
     """Fit all pixels of photographs that lie on one another.
 
     Args:
         photographs: Shape (photographs, rows, columns); may be mapped from a file.
         harmonics: Of their angles.
-        block: Pixels that are fitted at once; what comes out does not depend on it.
+        run: Fits blocks of rows; what comes out does not depend on how many these are.
 
     Returns:
         Arrays of shape (rows, columns).
     """
-    count, rows, columns = photographs.shape
+    rows, columns = photographs.shape[1:]
     out = HarmonicFit(*(np.empty((rows, columns), np.float32) for _ in fields(HarmonicFit)))
-    step = max(1, block // columns)
-
-    def fit_strip(start: int) -> None:
-        strip = slice(start, start + step)
-        one = fit_block(photographs[:, strip].reshape(count, -1), harmonics)
+    step = max(1, BLOCK // columns)
+    strips = [slice(start, start + step) for start in range(0, rows, step)]
+    values = np.asarray(photographs)
+    fits = run(partial(fit_block, harmonics=harmonics), (values[:, strip] for strip in strips))
+    for strip, fit in tracked(zip(strips, fits, strict=True), "fitting", len(strips)):
         for part in fields(HarmonicFit):
-            getattr(out, part.name)[strip] = getattr(one, part.name).reshape(-1, columns)
-
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        for _ in pool.map(fit_strip, range(0, rows, step)):
-            pass
+            getattr(out, part.name)[strip] = getattr(fit, part.name)
     return out
 
 
@@ -165,16 +178,16 @@ def fit_block(values: Pixels, harmonics: Harmonics) -> HarmonicFit:
     single precision holds them to some millionths of it.
 
     Args:
-        values: Shape (photographs, pixels).
+        values: Shape (photographs, …).
         harmonics: Of the photographs' angles.
 
     Returns:
-        Arrays of shape (pixels,).
+        Arrays of the shape of one photograph.
     """
     count = len(values)
     (u, v), factors = harmonics.columns, 1 / harmonics.means
     first = values[0] * np.float32(factors[0])
-    total, along_u, along_v, squares = np.zeros((4, values.shape[1]), np.float32)
+    total, along_u, along_v, squares = np.zeros((4, *values.shape[1:]), np.float32)
     for k in range(1, count):
         change = values[k] * np.float32(factors[k])
         change -= first

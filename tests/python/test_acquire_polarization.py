@@ -5,16 +5,19 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import socket
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from distributed import Client, LocalCluster, get_task_stream
 from PIL import Image
 from refusals import refused
 from typer.testing import CliRunner, Result
 
+from precompute.acquisition import blocks, orientation_filter, polarization_fit
 from precompute.acquisition import diffracting as diffracting_module
 from precompute.acquisition import registration as registration_module
 from precompute.acquisition.capture import read_capture
@@ -239,6 +242,19 @@ def test_three_photographs_do(capture: Path, tmp_path: Path) -> None:
     assert np.median(np.abs(off)) < 1
 
 
+def test_repeated_angles_count_as_one(capture: Path, tmp_path: Path) -> None:
+    def turned(fields: dict[str, Any], folder: Path) -> None:
+        for index, angle in ((0, 0), (1, 179.5), (3, 180)):
+            fields["photographs"][index]["polariser_deg"] = angle
+
+    said: list[str] = []
+    file = changed(capture, tmp_path, turned)
+    acquired = acquire_polarization(file, PolarizationOptions(passes=0), said.append)
+    remark = "photographs 0, 1 and 3 are at one angle modulo 180° and count as one"
+    assert said.count(remark) == acquired.report.remarks.count(remark) == 1
+    assert acquired.report.angles == 3
+
+
 def test_without_an_offset_orientations_are_relative(capture: Path) -> None:
     said: list[str] = []
     acquired = acquire_polarization(capture, PolarizationOptions(), said.append)
@@ -297,6 +313,61 @@ def test_clipped_pixels_are_unknown(capture: Path, tmp_path: Path) -> None:
     inside = np.s_[44:50, 36:48]  # 8 px of table are before it
     assert not np.isfinite(acquired.found.fit.mean[inside]).any()
     assert np.all(confidences(acquired.found)[inside] == 0)
+
+
+# ---- On a cluster --------------------------------------------------------------------------------
+
+
+def local_cluster(workers: int) -> Any:
+    """Of processes with one thread each; what Dask says of its type is that of its coroutines."""
+    return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0")
+
+
+def test_a_cluster_writes_the_same_bytes(
+    capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 96 × 96 pixels in 12 and 8 blocks, on two workers."""
+    monkeypatch.setattr(polarization_fit, "BLOCK", 8 * 96)
+    monkeypatch.setattr(orientation_filter, "BLOCK", 12 * 96)
+    monkeypatch.setattr(orientation_filter, "BLOCK_ROWS", 1)
+    here, there = tmp_path / "here", tmp_path / "there"
+    command = ("acquire", "polarization", capture, "--passes", "2")
+    assert run(*command, "-o", here / "foil").exit_code == 0
+    with local_cluster(2) as cluster, Client(cluster) as onlooker:
+        stream: Any = get_task_stream(onlooker)
+        with stream as tasks:
+            scheduler = ("--scheduler", cluster.scheduler_address)
+            assert run(*command, "-o", there / "foil", *scheduler).exit_code == 0
+    # The photographs' means and circle are fitted first, then all of them, then two passes.
+    assert len(tasks.data) == 12 + 12 + 8 + 8
+    assert len({task["worker"] for task in tasks.data}) == 2
+    names = sorted(file.name for file in here.iterdir())
+    assert names == sorted(file.name for file in there.iterdir()) and len(names) == 4
+    for name in names:
+        assert (here / name).read_bytes() == (there / name).read_bytes()
+
+
+def test_a_scheduler_that_is_none(
+    capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(blocks, "TIMEOUT_S", 0.5)
+    file = changed(capture, tmp_path, lambda fields, folder: None)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        port = silent.getsockname()[1]
+        message = refusal(file, "--scheduler", f"127.0.0.1:{port}")
+    expected = "a Dask scheduler that answers within 0.5 s"
+    assert message == f"options: scheduler = '127.0.0.1:{port}': expected {expected}"
+    message = refusal(file, "--scheduler", f"127.0.0.1:{port}")  # nobody listens now
+    assert f"scheduler = '127.0.0.1:{port}': expected the address of a Dask" in message
+    assert "missing port number" in refusal(file, "--scheduler", "somewhere")
+
+
+def test_a_cluster_without_workers() -> None:
+    with local_cluster(0) as cluster:
+        address = cluster.scheduler_address
+        with refused("options", "scheduler", address, "one worker or more"):
+            with blocks.on_cluster(address):
+                pass
 
 
 # ---- Laying photographs on one another -----------------------------------------------------------

@@ -109,13 +109,14 @@ def test_pixels_that_some_photograph_does_not_show_stay_unknown() -> None:
 # ---- Photographs ---------------------------------------------------------------------------------
 
 
-def test_blocks_of_any_size_give_the_same_bytes() -> None:
+def test_blocks_of_any_size_give_the_same_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(5)
     photographs = rng.random((5, 37, 23), dtype=np.float32)
     harmonics = Harmonics.of(np.deg2rad([0, 30, 70, 110, 150]))
     whole = fitted(photographs, harmonics)
     for block in (1, 100, 37 * 23):
-        parts = fitted(photographs, harmonics, block)
+        monkeypatch.setattr(polarization_fit, "BLOCK", block)
+        parts = fitted(photographs, harmonics)
         for name in vars(whole):
             assert getattr(parts, name).tobytes() == getattr(whole, name).tobytes()
     one = fit_block(photographs[:, 20, 7:9], harmonics)
