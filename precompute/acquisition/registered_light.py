@@ -19,6 +19,7 @@ from precompute.acquisition.rectification import Rectification, corners_mm
 from precompute.acquisition.registration import Move, Outlines
 from precompute.acquisition.view import View
 from precompute.errors import InputError
+from precompute.progress import tracked
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.float32]
@@ -89,7 +90,8 @@ def registered_light(
     rectification: Rectification | None = None
     light: Picture | None = None
     names, moves, clipped = [], [], []
-    for index, photo in enumerate(read_photographs(capture, folder)):
+    photos = tracked(read_photographs(capture, folder), "registering", len(capture.photographs))
+    for index, photo in enumerate(photos):
         grey = photo.values.mean(axis=2)
         _check_contrast(folder, photo, grey)
         outlines = Outlines(grey)
