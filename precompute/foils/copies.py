@@ -32,11 +32,7 @@ class Frame:
     scale: float = 1.0
 
     def point(self, x: float, y: float) -> tuple[float, float]:
-        """A point of this frame as the outer one has it, mm.
-
-        >>> Frame(1, 2, np.pi / 2, 3).point(1, 0)
-        (1.0, 5.0)
-        """
+        """A point of this frame as the outer one has it, mm."""
         cosine, sine = math.cos(self.turn), math.sin(self.turn)
         return (
             self.x + self.scale * (cosine * x - sine * y),
