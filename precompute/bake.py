@@ -8,10 +8,12 @@ from pathlib import Path
 from precompute.efficiencies import profile_map
 from precompute.foils.circles import circles_foil
 from precompute.foils.disc import disc_foil
+from precompute.foils.figures import figures_foil
 from precompute.foils.polygons import polygons_foil
 from precompute.foils.recipe import (
     CirclesFoilRecipe,
     DiscFoilRecipe,
+    FiguresFoilRecipe,
     PolygonsFoilRecipe,
     StarsFoilRecipe,
     StochasticFoilRecipe,
@@ -75,6 +77,8 @@ def baked_maps(recipe: Recipe, file: Path) -> Iterator[tuple[str, Map]]:
             yield "", circles_foil(recipe)
         case DiscFoilRecipe():
             yield "", disc_foil(recipe)
+        case FiguresFoilRecipe():
+            yield "", figures_foil(recipe)
         case StochasticFoilRecipe():
             yield "", stochastic_foil(recipe, file.parent)
         case HeightFieldRecipe():

@@ -58,6 +58,8 @@ def _without_kinds(path: tuple[int | str, ...], contents: object) -> list[int | 
 
 
 def _kinds(contents: object) -> list[object]:
+    if isinstance(contents, int | float):
+        return ["constant"]  # a number alone stands for one of this kind
     if not isinstance(contents, dict):
         return [contents]  # a name alone stands for its kind
     return [contents[field] for field in ("kind", "design") if field in contents]

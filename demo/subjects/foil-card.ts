@@ -8,6 +8,11 @@ import { MAPS, type Subject } from './subject'
 export const FOILS: Readonly<Record<string, string>> = {
   [`${MAPS}foil-polygons`]: 'Polygons',
   [`${MAPS}foil-glitter`]: 'Glitter',
+  [`${MAPS}foil-kinematic-discs`]: 'Kinematic discs',
+  [`${MAPS}foil-gradient-stars`]: 'Gradient stars',
+  [`${MAPS}foil-fireworks`]: 'Fireworks',
+  [`${MAPS}foil-emblem`]: 'Emblem',
+  [`${MAPS}foil-logo`]: 'Logo',
   '': 'By its address',
 }
 export const FOIL_MAP = `${MAPS}foil-polygons`

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
+from precompute.foils.figure_recipes import AnyFigure
 from precompute.gratings import Positive
 
 Share = Annotated[float, Field(ge=0, lt=0.1)]
@@ -249,11 +250,25 @@ class StochasticFoilRecipe(FoilRecipe):
         return value
 
 
+class FiguresFoilRecipe(FoilRecipe):
+    """Figures painted over one another.
+
+    Attributes:
+        figures: The first is the lowest (`precompute.foils.figure_recipes`); their places are in
+            mm from the middle of the tile, x to the right, y upwards.
+    """
+
+    design: Literal["figures"]
+    size: Annotated[int, Field(ge=16, le=4096)] = 512
+    figures: Annotated[tuple[AnyFigure, ...], Field(min_length=1)]
+
+
 AnyFoilRecipe: TypeAlias = Annotated[
     PolygonsFoilRecipe
     | StarsFoilRecipe
     | CirclesFoilRecipe
     | DiscFoilRecipe
+    | FiguresFoilRecipe
     | StochasticFoilRecipe,
     Field(discriminator="design"),
 ]

@@ -89,7 +89,7 @@ def test_bad_grating_recipe_is_refused(
             {"kind": "foil", "design": "hearts"},
             "design",
             "hearts",
-            "'polygons', 'stars', 'circles', 'disc', 'stochastic'",
+            "'polygons', 'stars', 'circles', 'disc', 'figures', 'stochastic'",
         ),
         ({**STARS, "points": 2}, "points", 2, "greater than or equal to 3"),
         ({**STARS, "polygons": 2}, "polygons", 2, "no such field"),
