@@ -40,8 +40,7 @@ export async function foilCard(): Promise<Subject> {
   const object = new Group()
   object.add(new Mesh(geometry, material), backOf(geometry))
   return {
-    caption:
-      'A foil of polygons, each one grating of the same period and another orientation. Tilt it.',
+    caption: 'A holographic foil: each place is a grating, turned its own way. Tilt it.',
     object,
     material,
     surface,

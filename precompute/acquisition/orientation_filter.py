@@ -9,9 +9,12 @@ Other than in the paper
 - the comparison's width is not one number: a pair of values is compared by what both are known to.
   Noisy pixels reach far, and what has been averaged reaches less far with every pass, so that
   steps do not wear down as they do under a constant width;
-- the median serves the first pass alone: later it would round off corners, a pixel a pass;
-- from the second pass on orientations are compared, and averaged, as they are less the slope around
-  a pixel. Else passes make stairs of whatever turns steadily, as kinematic discs do.
+- the median serves the first pass alone, since later it would round off corners, a pixel a pass;
+  and only for pixels that are noisy, or alone among others that agree: it takes strokes away that
+  are two pixels wide;
+- orientations are compared, and averaged, as they are less the slope around a pixel, but for those
+  noisy ones in the first pass. Else passes make stairs of whatever turns steadily, as kinematic
+  discs do.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeAlias
 
 import cv2
 import numpy as np
@@ -29,6 +33,8 @@ from precompute.errors import InputError
 from precompute.progress import tracked
 
 Pixels = NDArray[np.float32]
+Turn: TypeAlias = tuple[Pixels, Pixels]
+"""Cosine and sine."""
 
 REACH = 2.0
 """Windows end at so many standard deviations."""
@@ -36,6 +42,11 @@ REACH = 2.0
 LEAST, MOST = 1e-4, 2.0
 """Uncertainties, rad, are taken as no smaller, which keeps squares of weights within single
 precision, and as no larger, from where on they all mean the same: not known."""
+
+STROKE, NEAR = 2, 2.0
+"""Of 3 × 3 pixels more than so many are like the middle, itself included, as along the finest
+stroke; else it is itself what is off, if most are like their median. Alike is what is no further
+apart than so many widths of the comparison."""
 
 LOWEST = np.float32(-80)
 """Exponent of what counts as nothing: beyond, OpenCV's exponential, four times as fast as NumPy's,
@@ -223,7 +234,7 @@ def _orientation(field: _Field, margin: int) -> Pixels:
 def _pass(now: _Field, options: FilterOptions, done: int, run: Run) -> _Field:
     """One pass over all pixels after so many others, block by block."""
     radius = _radius(options)
-    margin = radius if done == 0 else max(radius, SLOPE_REACH * SLOPE_ROUNDS)
+    margin = max(radius, SLOPE_REACH * SLOPE_ROUNDS)
     rows, columns = (size - 2 * radius for size in now.weight.shape)
     step = max(BLOCK_ROWS, BLOCK // columns)
     strips = [
@@ -248,16 +259,23 @@ def _pass(now: _Field, options: FilterOptions, done: int, run: Run) -> _Field:
 
 def _filtered(block: _Block, options: FilterOptions, *, is_first: bool) -> list[Pixels]:
     """The arrays `CHANGED` of a block's rows, without margins."""
-    slopes = None if is_first else _slopes(block.field)
+    slopes = _slopes(block.field)
     start, stop = block.rows.start, block.rows.stop
     step = max(1, STRIP // block.field.weight.shape[1])
     strips = [slice(top, min(top + step, stop)) for top in range(start, stop, step)]
-    found = [_filtered_strip(block.field, slopes, strip, options) for strip in strips]
+    found = [
+        _filtered_strip(block.field, slopes, strip, options, is_first=is_first) for strip in strips
+    ]
     return [np.concatenate(arrays) for arrays in zip(*found, strict=True)]
 
 
 def _filtered_strip(
-    now: _Field, slopes: tuple[Pixels, Pixels] | None, rows: slice, options: FilterOptions
+    now: _Field,
+    slopes: tuple[Pixels, Pixels],
+    rows: slice,
+    options: FilterOptions,
+    *,
+    is_first: bool,
 ) -> list[Pixels]:
     """Filter some rows of a padded field.
 
@@ -268,10 +286,10 @@ def _filtered_strip(
 
     Args:
         now: What is filtered.
-        slopes: Of 2θ along rows and columns, rad per pixel; in the first pass there are none, and
-            the window's median stands for its middle.
+        slopes: Of 2θ along rows and columns, rad per pixel.
         rows: Which.
         options: How much is smoothed.
+        is_first: Whether nothing has been filtered yet: then a median stands for the middle.
 
     Returns:
         The arrays `CHANGED` of these rows, without margins.
@@ -280,14 +298,17 @@ def _filtered_strip(
     here = slice(radius, now.weight.shape[1] - radius)
     middle = now.part(rows, here)
     reach = range(-radius, radius + 1)
-    if slopes is None:
-        pivot_cosine, pivot_sine = _median(now, rows, radius)
-        turns_across, turns_down = {}, {}
-    else:
-        pivot_cosine, pivot_sine = middle.cosine, middle.sine
-        turns_across, turns_down = (
-            {pixels: _turn(slope[rows, here], pixels) for pixels in reach} for slope in slopes
-        )
+    along, up = (slope[rows, here] for slope in slopes)
+    pivot_cosine, pivot_sine = middle.cosine, middle.sine
+    if is_first:
+        calm_cosine, calm_sine, is_off = _median(now, rows, options)
+        doubtful = is_off | (middle.variance > options.range**2)
+        along, up = (np.where(doubtful, np.float32(0), slope) for slope in (along, up))
+        pivot_cosine = np.where(doubtful, calm_cosine, pivot_cosine)
+        pivot_sine = np.where(doubtful, calm_sine, pivot_sine)
+    turns_across, turns_down = (
+        {pixels: _turn(slope, pixels) for pixels in reach} for slope in (along, up)
+    )
     # |z − z'| = 2 sin δθ, twice the difference of orientations, and −2 is a Gaussian's.
     apart = np.float32(-2 * 4 * options.deviations**2)
     common = np.float32(-2 * 4 * options.range**2) + apart * middle.variance
@@ -295,11 +316,10 @@ def _filtered_strip(
     for down in reach:
         # What is in a row is turned back by the slope along it; instead of by that down to it, too,
         # the pivot is turned to there, and the row's sum back.
-        row_cosine, row_sine = np.zeros((2, *middle.weight.shape), np.float32)
-        p, q = pivot_cosine, pivot_sine
-        if slopes is not None:
-            x, y = turns_down[down]
-            p, q = p * x - q * y, q * x + p * y
+        row_cosine = np.zeros(middle.weight.shape, np.float32)
+        row_sine = np.zeros(middle.weight.shape, np.float32)
+        x, y = turns_down[down]
+        p, q = pivot_cosine * x - pivot_sine * y, pivot_sine * x + pivot_cosine * y
         for across in reach:
             if down**2 + across**2 > (REACH * options.spatial) ** 2:
                 continue
@@ -307,10 +327,7 @@ def _filtered_strip(
                 slice(rows.start + down, rows.stop + down),
                 slice(here.start + across, here.stop + across),
             )
-            c, s = other.cosine, other.sine
-            if slopes is not None:
-                x, y = turns_across[across]
-                c, s = c * x + s * y, s * x - c * y
+            c, s = _turned_back(other.cosine, other.sine, turns_across[across])
             w = (c - p) ** 2
             w += (s - q) ** 2
             w /= common + apart * other.variance
@@ -325,16 +342,14 @@ def _filtered_strip(
             w *= w
             w *= other.first
             spread += w
-        if slopes is not None:
-            x, y = turns_down[down]
-            row_cosine, row_sine = row_cosine * x + row_sine * y, row_sine * x - row_cosine * y
+        row_cosine, row_sine = _turned_back(row_cosine, row_sine, turns_down[down])
         cosine += row_cosine
         sine += row_sine
     length = np.hypot(cosine, sine)
     good = (middle.weight > 0) & (length > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         precision = total**2 / spread
-        if slopes is not None:
+        if not is_first:
             precision += total / carried
         found = (cosine / length, sine / length, 1 / precision, precision)
         return [
@@ -343,10 +358,18 @@ def _filtered_strip(
         ]
 
 
-def _turn(slope: Pixels, pixels: int) -> tuple[Pixels, Pixels]:
+def _turn(slope: Pixels, pixels: int) -> Turn:
     """Cosine and sine of what a slope grows to over so many pixels."""
     turned = np.float32(pixels) * slope
     return np.cos(turned), np.sin(turned)
+
+
+def _turned_back(cosine: Pixels, sine: Pixels, by: Turn) -> Turn:
+    x, y = by
+    back = cosine * x, sine * x
+    back[0][:] += sine * y
+    back[1][:] -= cosine * y
+    return back
 
 
 def _slopes(now: _Field) -> tuple[Pixels, Pixels]:
@@ -398,9 +421,15 @@ def _slope(part: _Field, axis: int) -> Pixels:
     return slope
 
 
-def _median(now: _Field, rows: slice, radius: int) -> tuple[Pixels, Pixels]:
-    """Of 3 × 3 pixels the one from which all are least far, by their weights: (cos 2θ, sin 2θ)."""
-    width = now.weight.shape[1]
+def _median(
+    now: _Field, rows: slice, options: FilterOptions
+) -> tuple[Pixels, Pixels, NDArray[np.bool_]]:
+    """Of 3 × 3 pixels the one from which all are least far, by their weights.
+
+    Returns:
+        cos 2θ and sin 2θ of it, and where it is to be believed rather than the middle.
+    """
+    radius, width = _radius(options), now.weight.shape[1]
     window = [
         now.part(
             slice(rows.start + down, rows.stop + down),
@@ -418,7 +447,25 @@ def _median(now: _Field, rows: slice, radius: int) -> tuple[Pixels, Pixels]:
     for i, one in enumerate(window):
         cost[i][one.weight == 0] = np.inf
     best = cost.argmin(axis=0)
-    return (
-        np.choose(best, [one.cosine for one in window]),
-        np.choose(best, [one.sine for one in window]),
+    cosine, sine, variance = (
+        np.asarray(np.choose(best, [getattr(one, name) for one in window]), np.float32)
+        for name in ("cosine", "sine", "variance")
     )
+    middle = window[len(window) // 2]
+    own = (middle.cosine, middle.sine, middle.variance)
+    with_middle, with_median = (
+        np.sum([_alike(other, *one, options) for other in window], axis=0)
+        for one in (own, (cosine, sine, variance))
+    )
+    known = np.sum([other.weight > 0 for other in window], axis=0)
+    is_off = np.asarray((with_middle <= STROKE) & (2 * with_median > known), bool)
+    return cosine, sine, is_off
+
+
+def _alike(
+    other: _Field, cosine: Pixels, sine: Pixels, variance: Pixels, options: FilterOptions
+) -> NDArray[np.bool_]:
+    """Whether pixels of a field are known and, as far as they are, like others."""
+    apart = (other.cosine - cosine) ** 2 + (other.sine - sine) ** 2
+    both = options.range**2 + options.deviations**2 * (other.variance + variance)
+    return (other.weight > 0) & (apart < 4 * NEAR**2 * both)

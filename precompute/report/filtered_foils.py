@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from precompute.acquisition.orientation_filter import FilterOptions, filtered_orientation
 from precompute.acquisition.pattern import Gratings, gratings_of, texel_indices
-from precompute.acquisition.polarization_simulation import Sheet
 from precompute.acquisition.radiance import Lamp, Relief, foil_radiance
 from precompute.files import written_aside
 from precompute.foils.bumps import random_bumps
@@ -25,9 +24,12 @@ Array = NDArray[np.float64]
 
 PICTURE = "acquisition-filtered.png"
 
-DESIGN = "polygons"
-BUMPS_DEG, BUMP_MM, NOISE = 0.3, 3.0, 0.03
+DESIGN = "logo"
+BUMPS_DEG, NOISE = 0.3, 0.03
 """Of the sheet that is filtered, and of its photographs, of full scale."""
+
+BUMP_MM = 3.0
+"""Correlation length of bumps that are drawn."""
 
 PASSES = (0, 1, 3, 10, 50)
 
@@ -59,8 +61,7 @@ def filter_rows(work: Path, pictures: Path) -> Iterator[Acquisition]:
         work: A folder for photographs, which may be deleted afterwards.
         pictures: Folder for `PICTURE`.
     """
-    sheet = Sheet(size_mm=(25.0, 25.0), bumps_deg=BUMPS_DEG, bump_mm=BUMP_MM)
-    taken = PolarizedPhotographs.of(DESIGN, work / "filtered", noise=NOISE, sheet=sheet)
+    taken = PolarizedPhotographs.of(DESIGN, work / "filtered", noise=NOISE, bumps_deg=BUMPS_DEG)
     for name, options in FILTERS.items():
         for passes, away in step_wear(options).items():
             figure = f"worn texels' largest distance from it, {passes} passes"

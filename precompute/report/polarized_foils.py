@@ -15,9 +15,12 @@ from precompute.report.rows import Acquisition
 
 PICTURE = "acquisition-polarized.png"
 
-DESIGNS = ("polygons", "stars", "circles", "periods")
+DESIGNS = (
+    *("polygons", "stars", "circles", "periods"),
+    *("gradient-stars", "kinematic-discs", "fireworks", "emblem", "logo"),
+)
 
-PAPER_CORRELATION: dict[str, float] = {}
+PAPER_CORRELATION = {"kinematic-discs": 0.942, "logo": 0.984}
 """Of photographs and fit, which the 2018 paper finds of real foils of such designs (7.3)."""
 
 PAPER_ERROR, PAPER_SPREAD = 3.616, 3.016

@@ -50,13 +50,16 @@ class PolarizedPhotographs:
             design: Of the shipped captures.
             folder: Where it goes.
             changes: Fields of its recipe that have other values; ``noise`` stands for white noise
-                of so much of full scale.
+                of so much of full scale, ``bumps_deg`` for the sheet's.
         """
-        noise = changes.pop("noise", None)
-        if noise is not None:
-            changes["sensor"] = SensorNoise(noise_db=float(-20 * np.log10(noise)))
         file = CAPTURES / f"polarization-{design}.json"
-        simulation = read_polarization_simulation(file).model_copy(update=changes)
+        simulation = read_polarization_simulation(file)
+        if "noise" in changes:
+            changes["sensor"] = SensorNoise(noise_db=float(-20 * np.log10(changes.pop("noise"))))
+        if "bumps_deg" in changes:
+            bumps = {"bumps_deg": changes.pop("bumps_deg")}
+            changes["sheet"] = simulation.sheet.model_copy(update=bumps)
+        simulation = simulation.model_copy(update=changes)
         capture = simulated_polarization(simulation, file, folder)
         told = json.loads((folder / "truth" / "polarization.json").read_text("utf-8"))
         return PolarizedPhotographs(

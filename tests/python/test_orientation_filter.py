@@ -60,6 +60,17 @@ def test_steps_outlast_fifty_passes_as_they_do_not_under_a_constant_width() -> N
     assert rms(constant) > 4
 
 
+def test_spokes_and_strokes_are_no_worse_than_they_were() -> None:
+    """Ten half turns around a point, finer than pixels in the middle; strokes of two pixels."""
+    row, column = np.mgrid[:SIZE, :SIZE] - HALF + 0.5
+    spokes = 5 * np.rad2deg(np.arctan2(-row, column))
+    strokes = np.where(np.mod(np.arange(SIZE), 8) < 2, 30.0, 80.0) + np.zeros((SIZE, 1))
+    for truth in (spokes, strokes):
+        errors = filtered(truth, 1.0, FilterOptions(iterations=3))
+        assert errors.mean() < 0.6 * np.abs(NOISE).mean()
+        assert errors.max() < 10
+
+
 def test_corners_stay() -> None:
     """A square of 10 × 10 pixels: at a pixel a pass from each corner nothing would be left."""
     truth = np.zeros((SIZE, SIZE))
