@@ -11,9 +11,9 @@ import planarBlur from '../../shaders/planar-blur.frag.glsl?raw'
 import planarEnvironment from '../../shaders/planar-environment.frag.glsl?raw'
 import surfacePoint from '../../shaders/surface-point.glsl?raw'
 import tangentFrame from '../../shaders/tangent-frame.glsl?raw'
-import type { Surface } from '../surfaces/surface'
-import { resolveIncludes } from './include'
-import { opticsShaders } from './optics-shaders'
+import type { Surface } from '../surfaces/surface.ts'
+import { resolveIncludes } from './include.ts'
+import { opticsShaders } from './optics-shaders.ts'
 
 /** The vertex stage, the same for every surface. */
 export const vertexShader = vertex
