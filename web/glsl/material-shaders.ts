@@ -13,7 +13,7 @@ import surfacePoint from '../../shaders/surface-point.glsl?raw'
 import tangentFrame from '../../shaders/tangent-frame.glsl?raw'
 import type { Surface } from '../surfaces/surface.ts'
 import { resolveIncludes } from './include.ts'
-import { opticsShaders } from './optics-shaders.ts'
+import { gratingShaders } from './grating-shaders.ts'
 
 /** The vertex stage, the same for every surface. */
 export const vertexShader = vertex
@@ -28,10 +28,10 @@ export const environmentBlurShader = resolveIncludes(environmentBlur, environmen
 
 /** The fragment stages that fill the table of shaders/planar-environment.glsl, the same for all gratings. */
 export const planarBlurShader = resolveIncludes(planarBlur, {
-  ...opticsShaders,
+  ...gratingShaders,
   ...environmentShaders,
 })
-export const planarEnvironmentShader = resolveIncludes(planarEnvironment, opticsShaders)
+export const planarEnvironmentShader = resolveIncludes(planarEnvironment, gratingShaders)
 
 /** A fragment stage with a surface's GLSL in the place of `surface.glsl`; the material's own by default. */
 export function fragmentShader(surface: Surface, source: string = fragment): string {

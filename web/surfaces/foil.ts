@@ -3,7 +3,7 @@ import foilClustersGlsl from '../../shaders/surfaces/foil-clusters.glsl?raw'
 import foilSharesGlsl from '../../shaders/surfaces/foil-shares.glsl?raw'
 import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
 import { DiffractionError } from '../errors.ts'
-import { opticsShaders } from '../glsl/optics-shaders.ts'
+import { gratingShaders } from '../glsl/grating-shaders.ts'
 import { loadSharedMap } from '../maps/cache.ts'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load.ts'
 import { imageTexture, smoothImageTexture } from '../maps/image-texture.ts'
@@ -28,7 +28,7 @@ export interface FoilOptions {
 export class Foil extends GratingSurface {
   readonly glsl = foilGlsl
   override readonly glslFiles = {
-    ...opticsShaders,
+    ...gratingShaders,
     'foil-clusters.glsl': foilClustersGlsl,
     'foil-shares.glsl': foilSharesGlsl,
   }

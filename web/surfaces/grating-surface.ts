@@ -1,6 +1,6 @@
 import type { IUniform, Vector3 } from 'three'
 import { DiffractionError } from '../errors.ts'
-import { opticsShaders } from '../glsl/optics-shaders.ts'
+import { gratingShaders } from '../glsl/grating-shaders.ts'
 import { constantOf, expectKinds, type LoadedMap } from '../maps/load.ts'
 import { gratingOptics } from '../spectrum/grating-optics.ts'
 import { SHORTEST_WAVELENGTH } from '../spectrum/max-order.ts'
@@ -24,7 +24,7 @@ export abstract class GratingSurface implements Surface {
   /** How far the frequencies of gratings that are shown as one are off its own at most, 1/µm. */
   protected readonly frequencyReach: number = 0
 
-  readonly glslFiles = opticsShaders
+  readonly glslFiles = gratingShaders
   readonly methods = ['closed-form', 'wavelength-loop'] as const
   readonly energies = ['conserving', 'reciprocal', 'kirchhoff'] as const
   #version = 0

@@ -1,7 +1,7 @@
 import { Vector2, type IUniform } from 'three'
 import heightFieldGlsl from '../../shaders/surfaces/height-field.glsl?raw'
 import { DiffractionError } from '../errors.ts'
-import { opticsShaders } from '../glsl/optics-shaders.ts'
+import { heightFieldShaders } from '../glsl/height-field-shaders.ts'
 import { expectKinds, type LoadedMap } from '../maps/load.ts'
 import { unlikeBaked } from '../height-field/baked-pattern.ts'
 import { heightFieldOptics } from '../height-field/optics.ts'
@@ -37,7 +37,7 @@ const ALL = ['line-sum', 'baked', 'jacobi-anger', 'taylor'] as const
 export class HeightField implements Surface {
   readonly name = 'HeightField'
   readonly glsl = heightFieldGlsl
-  readonly glslFiles = opticsShaders
+  readonly glslFiles = heightFieldShaders
   readonly planarGratings = null
   readonly methods: readonly Method[]
   readonly energies = ['kirchhoff', 'relative'] as const
