@@ -1,8 +1,10 @@
 import { defineConfig } from 'vite'
+import { minifiedGlsl } from './scripts/minified-glsl.mjs'
 
 /** The npm package: one output module a source module, so that a bundler can drop what a scene leaves out. */
 export default defineConfig({
   publicDir: false,
+  plugins: [minifiedGlsl()],
   build: {
     target: 'es2022',
     minify: false,

@@ -29,14 +29,23 @@ export async function ensureNodePackages() {
   const inputs = contentHash(['package-lock.json'], [process.platform, process.arch])
   const outputs = () => ['node_modules/.package-lock.json']
   await buildWhenStale('node-packages', inputs, outputs, async () => {
-    const args = ['ci', '--include=dev', '--no-audit', '--no-fund', '--loglevel=error']
-    const npm = process.env.npm_execpath
-    // npm is a script of its own on Windows, which only a shell can start; its JavaScript runs anywhere.
-    if (npm && basename(npm).startsWith('npm')) {
-      await runQuietly('Installing the node packages', process.execPath, [npm, ...args])
-    } else {
-      const shell = process.platform === 'win32'
-      await runQuietly('Installing the node packages', 'npm', args, { shell })
-    }
+    const options = ['--include=dev', '--no-audit', '--no-fund', '--loglevel=error']
+    await runNpm('Installing the node packages', ['ci', ...options])
   })
+}
+
+/**
+ * Runs npm, the one that runs us where there is one.
+ *
+ * @param {string} title what is being done
+ * @param {string[]} args
+ */
+export async function runNpm(title, args) {
+  const npm = process.env.npm_execpath
+  // npm is a script of its own on Windows, which only a shell can start; its JavaScript runs anywhere.
+  if (npm && basename(npm).startsWith('npm')) {
+    await runQuietly(title, process.execPath, [npm, ...args])
+  } else {
+    await runQuietly(title, 'npm', args, { shell: process.platform === 'win32' })
+  }
 }

@@ -50,6 +50,7 @@ const checks = [
   { name: 'build', needs: everything, command: [process.execPath, 'scripts/build.mjs'] },
   { name: 'python tests', needs: everything, command: python('pytest') },
   { name: 'web tests', needs: everything, command: vitest('web') },
+  { name: 'package tests', needs: everything, command: vitest('package') },
   { name: 'browser tests', needs: everything, command: vitest('browser') },
 ]
 

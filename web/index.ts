@@ -1,16 +1,16 @@
-export { DiffractionError, type DiffractionErrorDetails } from './errors'
-export { loadSharedMap } from './maps/cache'
-export { loadMap, valuesOf, type LoadedMap, type MapArray } from './maps/load'
-export { DiffractionMaterial } from './materials/DiffractionMaterial'
-export { lightTexels } from './environment/light-texels'
-export type { DiffractionMaterialOptions, Gamut } from './materials/options'
+export { DiffractionError, type DiffractionErrorDetails } from './errors.ts'
+export { loadSharedMap } from './maps/cache.ts'
+export { loadMap, valuesOf, type LoadedMap, type MapArray } from './maps/load.ts'
+export { DiffractionMaterial } from './materials/DiffractionMaterial.ts'
+export { lightTexels } from './environment/light-texels.ts'
+export type { DiffractionMaterialOptions, Gamut } from './materials/options.ts'
 export {
   ProgressiveRefinement,
   type ProgressiveRefinementOptions,
-} from './refinement/ProgressiveRefinement'
-export { Foil, type FoilOptions } from './surfaces/foil'
-export { HeightField, type HeightFieldOptions } from './surfaces/height-field'
-export { Grating, type GratingOptions, type Tracks } from './surfaces/grating'
+} from './refinement/ProgressiveRefinement.ts'
+export { Foil, type FoilOptions } from './surfaces/foil.ts'
+export { HeightField, type HeightFieldOptions } from './surfaces/height-field.ts'
+export { Grating, type GratingOptions, type Tracks } from './surfaces/grating.ts'
 export type {
   Efficiencies,
   Energy,
@@ -21,4 +21,4 @@ export type {
   Optics,
   OpticsSettings,
   Surface,
-} from './surfaces/surface'
+} from './surfaces/surface.ts'

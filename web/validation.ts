@@ -1,4 +1,4 @@
-import { DiffractionError } from './errors'
+import { DiffractionError } from './errors.ts'
 
 /** Returns the value if it is finite and above zero; `unit` goes into the error's text. */
 export function positive(owner: string, field: string, value: unknown, unit: string): number {

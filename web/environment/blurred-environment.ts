@@ -12,10 +12,10 @@ import {
   type Texture,
   type WebGLRenderer,
 } from 'three'
-import { environmentBlurShader } from '../glsl/material-shaders'
-import type { EnvironmentMap } from './environment-map'
-import { drawsHalfFloats, FullScreenPass, fullScreenMaterial, isOn } from './full-screen-pass'
-import { gaussianTaps } from './gaussian-taps'
+import { environmentBlurShader } from '../glsl/material-shaders.ts'
+import type { EnvironmentMap } from './environment-map.ts'
+import { drawsHalfFloats, FullScreenPass, fullScreenMaterial, isOn } from './full-screen-pass.ts'
+import { gaussianTaps } from './gaussian-taps.ts'
 
 /** Layers of shaders/blurred-environment.glsl. */
 export const BLURRED_LAYERS = 8

@@ -9,8 +9,8 @@ import {
   type CubeTexture,
   type Texture,
 } from 'three'
-import { DiffractionError } from '../errors'
-import { lightTexels } from './light-texels'
+import { DiffractionError } from '../errors.ts'
+import { lightTexels } from './light-texels.ts'
 
 /** A texture of the environment in a form the shader can sample at any mip level. */
 export interface EnvironmentMap {

@@ -9,7 +9,7 @@ import {
   type Object3D,
   type Side,
 } from 'three'
-import { flatFrame } from './flat-geometry'
+import { flatFrame } from './flat-geometry.ts'
 
 /** Kinds of object whose vertices move on the GPU. */
 type MovedObject = Object3D & {

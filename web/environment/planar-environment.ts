@@ -8,9 +8,9 @@ import {
   type Vector3,
   type WebGLRenderer,
 } from 'three'
-import { drawsHalfFloats } from './full-screen-pass'
-import { meshPlane } from './mesh-plane'
-import { PlanarTable, type PlanarOptics } from './planar-table'
+import { drawsHalfFloats } from './full-screen-pass.ts'
+import { meshPlane } from './mesh-plane.ts'
+import { PlanarTable, type PlanarOptics } from './planar-table.ts'
 
 /** Below this roughness (rad) a mirror image has more detail than a table can hold. */
 export const SMALLEST_ROUGHNESS = 0.0087

@@ -14,10 +14,10 @@ import {
   type WebGLRenderer,
   type WebGLRenderTarget,
 } from 'three'
-import { floatLiteral } from '../glsl/float-literal'
-import { planarBlurShader, planarEnvironmentShader } from '../glsl/material-shaders'
-import { FullScreenPass, fullScreenMaterial, isOn } from './full-screen-pass'
-import { gaussianTaps } from './gaussian-taps'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { planarBlurShader, planarEnvironmentShader } from '../glsl/material-shaders.ts'
+import { FullScreenPass, fullScreenMaterial, isOn } from './full-screen-pass.ts'
+import { gaussianTaps } from './gaussian-taps.ts'
 
 /** Texels along a side of a table. */
 export const PLANAR_TEXELS = 192

@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors'
+import { DiffractionError } from '../errors.ts'
 
 const INCLUDE = /^[ \t]*#include "([^"]*)"[ \t]*$/gm
 

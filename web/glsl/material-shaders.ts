@@ -11,9 +11,9 @@ import planarBlur from '../../shaders/planar-blur.frag.glsl?raw'
 import planarEnvironment from '../../shaders/planar-environment.frag.glsl?raw'
 import surfacePoint from '../../shaders/surface-point.glsl?raw'
 import tangentFrame from '../../shaders/tangent-frame.glsl?raw'
-import type { Surface } from '../surfaces/surface'
-import { resolveIncludes } from './include'
-import { opticsShaders } from './optics-shaders'
+import type { Surface } from '../surfaces/surface.ts'
+import { resolveIncludes } from './include.ts'
+import { gratingShaders } from './grating-shaders.ts'
 
 /** The vertex stage, the same for every surface. */
 export const vertexShader = vertex
@@ -28,10 +28,10 @@ export const environmentBlurShader = resolveIncludes(environmentBlur, environmen
 
 /** The fragment stages that fill the table of shaders/planar-environment.glsl, the same for all gratings. */
 export const planarBlurShader = resolveIncludes(planarBlur, {
-  ...opticsShaders,
+  ...gratingShaders,
   ...environmentShaders,
 })
-export const planarEnvironmentShader = resolveIncludes(planarEnvironment, opticsShaders)
+export const planarEnvironmentShader = resolveIncludes(planarEnvironment, gratingShaders)
 
 /** A fragment stage with a surface's GLSL in the place of `surface.glsl`; the material's own by default. */
 export function fragmentShader(surface: Surface, source: string = fragment): string {

@@ -7,13 +7,13 @@ import {
   RGBAFormat,
   Vector2,
 } from 'three'
-import { DiffractionError } from '../errors'
-import { floatLiteral } from '../glsl/float-literal'
-import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load'
-import { sharedTexture, unfiltered } from '../maps/shared-texture'
-import type { LightOptics, OpticsSettings } from '../surfaces/surface'
-import type { Tiles } from './cut-window'
-import type { Pattern } from './optics'
+import { DiffractionError } from '../errors.ts'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load.ts'
+import { sharedTexture, unfiltered } from '../maps/shared-texture.ts'
+import type { LightOptics, OpticsSettings } from '../surfaces/surface.ts'
+import type { Tiles } from './cut-window.ts'
+import type { Pattern } from './optics.ts'
 
 /** Defines and uniforms of shaders/baked-pattern.glsl; refuses settings other than those that were baked in. */
 export function bakedPattern(

@@ -1,6 +1,6 @@
 import { DataTexture, DataUtils, HalfFloatType, RGBAFormat, Vector2, type IUniform } from 'three'
-import { floatLiteral } from '../glsl/float-literal'
-import { unfiltered } from '../maps/shared-texture'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { unfiltered } from '../maps/shared-texture.ts'
 
 /** Number of patches along x and y. */
 export type Tiles = readonly [number, number]

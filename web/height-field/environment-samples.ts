@@ -1,6 +1,6 @@
-import { texelFromParameter } from '../maps/axes'
-import { arrayOf, valuesOf, type LoadedMap } from '../maps/load'
-import type { SpectralNode } from '../spectrum/spectral-nodes'
+import { texelFromParameter } from '../maps/axes.ts'
+import { arrayOf, valuesOf, type LoadedMap } from '../maps/load.ts'
+import type { SpectralNode } from '../spectrum/spectral-nodes.ts'
 
 /** Steps of w = cosθ_i + cosθ_o, from 0 to 2, at which a sample's colour is stored. */
 export const W_STEPS = 33

@@ -1,10 +1,10 @@
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat } from 'three'
-import type { LoadedMap } from '../maps/load'
-import { sharedTexture } from '../maps/shared-texture'
-import { metalReflectance } from '../spectrum/metal-reflectance'
-import { spectralNodes } from '../spectrum/spectral-nodes'
-import type { Metal } from '../surfaces/surface'
-import { environmentSamples, W_STEPS, type EnvironmentSample } from './environment-samples'
+import type { LoadedMap } from '../maps/load.ts'
+import { sharedTexture } from '../maps/shared-texture.ts'
+import { metalReflectance } from '../spectrum/metal-reflectance.ts'
+import { spectralNodes } from '../spectrum/spectral-nodes.ts'
+import type { Metal } from '../surfaces/surface.ts'
+import { environmentSamples, W_STEPS, type EnvironmentSample } from './environment-samples.ts'
 
 /** Lookups of the environment for each of a material's nodes. */
 const LOOKUPS_PER_NODE = 16

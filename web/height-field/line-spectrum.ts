@@ -1,13 +1,13 @@
 import { DataArrayTexture, DataTexture, FloatType, HalfFloatType, RGBAFormat, Vector2 } from 'three'
-import { floatLiteral } from '../glsl/float-literal'
-import { parameterFromTexel } from '../maps/axes'
-import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load'
-import { sharedTexture, unfiltered } from '../maps/shared-texture'
-import { wavelengthsOfLoop } from '../spectrum/spectrum-optics'
-import { SpectralTextures } from '../spectrum/spectral-textures'
-import type { LightOptics, Metal, OpticsSettings } from '../surfaces/surface'
-import { cutWindow, type Tiles } from './cut-window'
-import type { HeightFieldMaps, Pattern } from './optics'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { parameterFromTexel } from '../maps/axes.ts'
+import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load.ts'
+import { sharedTexture, unfiltered } from '../maps/shared-texture.ts'
+import { wavelengthsOfLoop } from '../spectrum/spectrum-optics.ts'
+import { SpectralTextures } from '../spectrum/spectral-textures.ts'
+import type { LightOptics, Metal, OpticsSettings } from '../surfaces/surface.ts'
+import { cutWindow, type Tiles } from './cut-window.ts'
+import type { HeightFieldMaps, Pattern } from './optics.ts'
 
 /**
  * Defines and uniforms of shaders/line-spectrum.glsl.

@@ -1,12 +1,12 @@
 import type { IUniform } from 'three'
-import type { LoadedMap } from '../maps/load'
-import { spectrumOptics } from '../spectrum/spectrum-optics'
-import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface'
-import { bakedPattern } from './baked-pattern'
-import type { Tiles } from './cut-window'
-import { W_STEPS } from './environment-samples'
-import { environmentTexture, lookups } from './environment-texture'
-import { lineSpectrum } from './line-spectrum'
+import type { LoadedMap } from '../maps/load.ts'
+import { spectrumOptics } from '../spectrum/spectrum-optics.ts'
+import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface.ts'
+import { bakedPattern } from './baked-pattern.ts'
+import type { Tiles } from './cut-window.ts'
+import { W_STEPS } from './environment-samples.ts'
+import { environmentTexture, lookups } from './environment-texture.ts'
+import { lineSpectrum } from './line-spectrum.ts'
 
 /** The maps that a height field's optics read. */
 export interface HeightFieldMaps {

@@ -1,4 +1,4 @@
-import { loadMap, type LoadedMap } from './load'
+import { loadMap, type LoadedMap } from './load.ts'
 
 const loads = new Map<string, Promise<LoadedMap>>()
 

@@ -9,9 +9,9 @@ import {
   UnsignedByteType,
   type TextureDataType,
 } from 'three'
-import { arrayOf, type LoadedMap, type MapArray } from './load'
-import { sharedTexture, unfiltered } from './shared-texture'
-import type { Dtype } from './sidecar'
+import { arrayOf, type LoadedMap, type MapArray } from './load.ts'
+import { sharedTexture, unfiltered } from './shared-texture.ts'
+import type { Dtype } from './sidecar.ts'
 
 const TYPES: Record<Dtype, TextureDataType> = {
   float16: HalfFloatType,

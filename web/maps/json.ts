@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors'
+import { DiffractionError } from '../errors.ts'
 
 /** Reads the fields of a parsed JSON document, and names the one that is not what it should be. */
 export class JsonReader {

@@ -1,5 +1,5 @@
-import type { JsonReader } from './json'
-import type { ArraySpec, Dtype, MapKind } from './sidecar'
+import type { JsonReader } from './json.ts'
+import type { ArraySpec, Dtype, MapKind } from './sidecar.ts'
 
 interface ArrayContents {
   rank: number

@@ -1,13 +1,13 @@
 import { DataUtils } from 'three'
-import { DiffractionError } from '../errors'
-import { decodePng } from './png'
+import { DiffractionError } from '../errors.ts'
+import { decodePng } from './png.ts'
 import {
   BYTES_PER_ELEMENT,
   readSidecar,
   type ArraySpec,
   type MapKind,
   type Sidecar,
-} from './sidecar'
+} from './sidecar.ts'
 
 /** One array of a map, as it is stored: half floats stay 16-bit words. */
 export interface MapArray {

@@ -1,5 +1,5 @@
 import { NearestFilter, type Texture } from 'three'
-import type { LoadedMap } from './load'
+import type { LoadedMap } from './load.ts'
 
 const made = new WeakMap<LoadedMap, Map<string, Texture>>()
 

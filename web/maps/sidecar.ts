@@ -1,6 +1,6 @@
-import { MAPPINGS, type Axis } from './axes'
-import { JsonReader } from './json'
-import { checkContents } from './kinds'
+import { MAPPINGS, type Axis } from './axes.ts'
+import { JsonReader } from './json.ts'
+import { checkContents } from './kinds.ts'
 
 export const MAP_FORMAT = 'three-diffraction/map'
 export const MAP_VERSION = 1

@@ -1,6 +1,6 @@
 import { DataTexture, FloatType, RGFormat } from 'three'
-import { arrayOf, valuesOf, type LoadedMap } from './load'
-import { sharedTexture, unfiltered } from './shared-texture'
+import { arrayOf, valuesOf, type LoadedMap } from './load.ts'
+import { sharedTexture, unfiltered } from './shared-texture.ts'
 
 /**
  * A table of two axes and one channel, the faster axis along x: a texel holds the value and its step to the next texel,

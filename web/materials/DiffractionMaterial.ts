@@ -20,18 +20,18 @@ import {
   type Scene,
   type WebGLRenderer,
 } from 'three'
-import { BLURRED_LAYERS, BlurredEnvironment } from '../environment/blurred-environment'
+import { BLURRED_LAYERS, BlurredEnvironment } from '../environment/blurred-environment.ts'
 import {
   checkEnvironment,
   environmentMap,
   type EnvironmentMap,
-} from '../environment/environment-map'
-import { PlanarEnvironment } from '../environment/planar-environment'
-import { PLANAR_TEXELS } from '../environment/planar-table'
-import type { DiffractionError } from '../errors'
-import { floatLiteral } from '../glsl/float-literal'
-import { fragmentShader, vertexShader } from '../glsl/material-shaders'
-import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame'
+} from '../environment/environment-map.ts'
+import { PlanarEnvironment } from '../environment/planar-environment.ts'
+import { PLANAR_TEXELS } from '../environment/planar-table.ts'
+import type { DiffractionError } from '../errors.ts'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { fragmentShader, vertexShader } from '../glsl/material-shaders.ts'
+import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame.ts'
 import type {
   Efficiencies,
   Energy,
@@ -44,20 +44,20 @@ import type {
   Optics,
   OpticsSettings,
   Surface,
-} from '../surfaces/surface'
-import { angularRadius, oneOf, positive, within } from '../validation'
-import { CHOSEN_SETTINGS, choiceForError } from './error-choice'
-import { describeFeatures } from './features'
-import { assertLightLoops } from './light-order'
-import { OpticsLoader } from './optics-loader'
+} from '../surfaces/surface.ts'
+import { angularRadius, oneOf, positive, within } from '../validation.ts'
+import { CHOSEN_SETTINGS, choiceForError } from './error-choice.ts'
+import { describeFeatures } from './features.ts'
+import { assertLightLoops } from './light-order.ts'
+import { OpticsLoader } from './optics-loader.ts'
 import {
   DEFAULT_SETTINGS,
   GAMUTS,
   SETTING_CHECKS,
   type DiffractionMaterialOptions,
   type Gamut,
-} from './options'
-import { sceneLights } from './scene-lights'
+} from './options.ts'
+import { sceneLights } from './scene-lights.ts'
 
 const OWNER = 'DiffractionMaterial'
 

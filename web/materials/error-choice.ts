@@ -1,6 +1,11 @@
-import { EFFICIENCIES, type Feature, type OpticsSettings, type Surface } from '../surfaces/surface'
+import {
+  EFFICIENCIES,
+  type Feature,
+  type OpticsSettings,
+  type Surface,
+} from '../surfaces/surface.ts'
 import measuredErrors from './measured-errors.json'
-import { DEFAULT_SETTINGS } from './options'
+import { DEFAULT_SETTINGS } from './options.ts'
 
 /** The settings that a material chooses by itself where it is given a largest error. */
 export const CHOSEN_SETTINGS = [

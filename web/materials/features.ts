@@ -1,6 +1,6 @@
 import type { Texture } from 'three'
-import type { DiffractionError } from '../errors'
-import type { Feature } from '../surfaces/surface'
+import type { DiffractionError } from '../errors.ts'
+import type { Feature } from '../surfaces/surface.ts'
 
 interface MaterialState {
   defines: Record<string, unknown>

@@ -7,7 +7,7 @@ import {
   type PointLight,
   type SpotLight,
 } from 'three'
-import { DiffractionError } from '../errors'
+import { DiffractionError } from '../errors.ts'
 
 /** The kinds of light that diffract, in the order of the loops in three's `lights_fragment_begin`. */
 export const LIGHT_LOOPS = ['POINT', 'SPOT', 'SUN', 'DIR'] as const

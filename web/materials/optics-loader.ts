@@ -1,7 +1,7 @@
-import { DiffractionError } from '../errors'
-import { loadSharedMap } from '../maps/cache'
-import type { LoadedMap } from '../maps/load'
-import type { Optics, OpticsSettings, Surface } from '../surfaces/surface'
+import { DiffractionError } from '../errors.ts'
+import { loadSharedMap } from '../maps/cache.ts'
+import type { LoadedMap } from '../maps/load.ts'
+import type { Optics, OpticsSettings, Surface } from '../surfaces/surface.ts'
 
 type LoaderState = 'loading' | 'ready' | 'failed'
 

@@ -1,5 +1,5 @@
 import type { Color, ColorRepresentation, Euler, MaterialParameters, Texture, Vector2 } from 'three'
-import type { DiffractionError } from '../errors'
+import type { DiffractionError } from '../errors.ts'
 import {
   EFFICIENCIES,
   ENERGIES,
@@ -8,8 +8,8 @@ import {
   OBSERVERS,
   type OpticsSettings,
   type Surface,
-} from '../surfaces/surface'
-import { oneOf, positive, within } from '../validation'
+} from '../surfaces/surface.ts'
+import { oneOf, positive, within } from '../validation.ts'
 
 export const GAMUTS = ['map', 'signed'] as const
 export type Gamut = (typeof GAMUTS)[number]

@@ -1,6 +1,6 @@
 import type { Camera, Object3D, WebGLRenderer } from 'three'
-import { angularRadius } from '../validation'
-import { isTinted, LightOrder } from './light-order'
+import { angularRadius } from '../validation.ts'
+import { isTinted, LightOrder } from './light-order.ts'
 
 /** The lights of one scene in one frame, shared by all materials that are drawn in it. */
 export interface SceneLights {

@@ -11,10 +11,10 @@ import {
   type WebGLRenderer,
 } from 'three'
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js'
-import { DiffractionError } from '../errors'
-import { jitteredProjection } from './jittered-projection'
-import { pixelOffsets } from './pixel-offsets'
-import { drawRefinementFrame } from './refinement-frame'
+import { DiffractionError } from '../errors.ts'
+import { jitteredProjection } from './jittered-projection.ts'
+import { pixelOffsets } from './pixel-offsets.ts'
+import { drawRefinementFrame } from './refinement-frame.ts'
 
 const OWNER = 'ProgressiveRefinement'
 

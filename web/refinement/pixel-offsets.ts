@@ -1,4 +1,4 @@
-import { radicalInverse } from './radical-inverse'
+import { radicalInverse } from './radical-inverse.ts'
 
 /** Steps of the lattice over the number of frames: powers of the inverse of the plastic number, 1.3247, the root of x³ = x + 1. */
 const STEPS = [0.7548777, 0.5698403] as const

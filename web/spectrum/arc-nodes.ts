@@ -1,8 +1,8 @@
-import { parameterFromTexel } from '../maps/axes'
-import { arrayOf, type LoadedMap } from '../maps/load'
-import { radicalInverse } from '../refinement/radical-inverse'
-import { solveLinear } from './solve-linear'
-import type { SpectralNode } from './spectral-nodes'
+import { parameterFromTexel } from '../maps/axes.ts'
+import { arrayOf, type LoadedMap } from '../maps/load.ts'
+import { radicalInverse } from '../refinement/radical-inverse.ts'
+import { solveLinear } from './solve-linear.ts'
+import type { SpectralNode } from './spectral-nodes.ts'
 
 /** XYZ in light of each of the three tint bases. */
 const COLUMNS = 9

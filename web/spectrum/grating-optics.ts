@@ -1,16 +1,16 @@
-import { floatLiteral } from '../glsl/float-literal'
-import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
-import { stepTexture } from '../maps/step-texture'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { arrayOf, constantOf, type LoadedMap } from '../maps/load.ts'
+import { stepTexture } from '../maps/step-texture.ts'
 import type {
   EnvironmentRefinement,
   Feature,
   LightOptics,
   Optics,
   OpticsSettings,
-} from '../surfaces/surface'
-import { maxOrder, propagatingOrder } from './max-order'
-import { SpectralTextures } from './spectral-textures'
-import { ARC_FILTER, spectrumOptics, wavelengthsOfLoop, windowVariance } from './spectrum-optics'
+} from '../surfaces/surface.ts'
+import { maxOrder, propagatingOrder } from './max-order.ts'
+import { SpectralTextures } from './spectral-textures.ts'
+import { ARC_FILTER, spectrumOptics, wavelengthsOfLoop, windowVariance } from './spectrum-optics.ts'
 
 /** The tables that a grating's optics read. */
 export interface GratingTables {

@@ -1,5 +1,5 @@
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat } from 'three'
-import { arrayOf, type LoadedMap } from '../maps/load'
+import { arrayOf, type LoadedMap } from '../maps/load.ts'
 
 /**
  * The colours of lobes as seen in a metal: each texel's XYZ times R at that texel's own mean wavenumber, over which a

@@ -1,6 +1,6 @@
 import { DataUtils } from 'three'
-import { texelFromParameter } from '../maps/axes'
-import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
+import { texelFromParameter } from '../maps/axes.ts'
+import { arrayOf, constantOf, type LoadedMap } from '../maps/load.ts'
 
 /** The shortest visible wavelength, µm: where the phase of a relief is largest and most orders propagate. */
 export const SHORTEST_WAVELENGTH = 0.38

@@ -1,7 +1,7 @@
 import { DataUtils } from 'three'
-import { texelFromParameter } from '../maps/axes'
-import { arrayOf, type LoadedMap } from '../maps/load'
-import { METALS, type Metal } from '../surfaces/surface'
+import { texelFromParameter } from '../maps/axes.ts'
+import { arrayOf, type LoadedMap } from '../maps/load.ts'
+import { METALS, type Metal } from '../surfaces/surface.ts'
 
 /** R(λ) of a metal from its table, linear between texels; λ in µm. */
 export function metalReflectance(metals: LoadedMap, metal: Metal): (wavelength: number) => number {

@@ -1,6 +1,6 @@
 import { DataTexture, FloatType, NearestFilter, RGBAFormat } from 'three'
-import { parameterFromTexel, texelFromParameter } from '../maps/axes'
-import { arrayOf, type LoadedMap } from '../maps/load'
+import { parameterFromTexel, texelFromParameter } from '../maps/axes.ts'
+import { arrayOf, type LoadedMap } from '../maps/load.ts'
 
 /** A band of the visible spectrum. */
 export interface SpectralNode {

@@ -1,11 +1,11 @@
 import type { DataTexture } from 'three'
-import type { LoadedMap } from '../maps/load'
-import { sharedTexture } from '../maps/shared-texture'
-import type { Metal } from '../surfaces/surface'
-import { arcNodes } from './arc-nodes'
-import { lobeTexture } from './lobe-texture'
-import { metalReflectance } from './metal-reflectance'
-import { nodesTexture, seenIn, spectralNodes, type Placement } from './spectral-nodes'
+import type { LoadedMap } from '../maps/load.ts'
+import { sharedTexture } from '../maps/shared-texture.ts'
+import type { Metal } from '../surfaces/surface.ts'
+import { arcNodes } from './arc-nodes.ts'
+import { lobeTexture } from './lobe-texture.ts'
+import { metalReflectance } from './metal-reflectance.ts'
+import { nodesTexture, seenIn, spectralNodes, type Placement } from './spectral-nodes.ts'
 
 /** The spectral textures of one illuminant seen in one metal; each is made once and shared by all materials. */
 export class SpectralTextures {

@@ -1,6 +1,6 @@
 import { Matrix3 } from 'three'
-import { constantOf, type LoadedMap } from '../maps/load'
-import type { OpticsSettings } from '../surfaces/surface'
+import { constantOf, type LoadedMap } from '../maps/load.ts'
+import type { OpticsSettings } from '../surfaces/surface.ts'
 
 /** The addresses of the light's lobes and of the metals, which every surface's optics read. */
 export function spectrumUrls(

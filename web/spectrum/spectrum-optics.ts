@@ -1,7 +1,7 @@
 import type { IUniform } from 'three'
-import { floatLiteral } from '../glsl/float-literal'
-import { arrayOf, constantOf, type LoadedMap } from '../maps/load'
-import type { OpticsSettings } from '../surfaces/surface'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { arrayOf, constantOf, type LoadedMap } from '../maps/load.ts'
+import type { OpticsSettings } from '../surfaces/surface.ts'
 
 /** Width of the visible range in wavelength, µm. */
 const VISIBLE = 0.4

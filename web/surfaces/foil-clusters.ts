@@ -1,6 +1,6 @@
 import { DataUtils, LinearMipmapNearestFilter, Vector2, type DataArrayTexture } from 'three'
-import type { FoilGratings } from './foil-gratings'
-import { averagedLayers } from './averaged-layers'
+import type { FoilGratings } from './foil-gratings.ts'
+import { averagedLayers } from './averaged-layers.ts'
 
 /** Gratings among which the centres of clusters are found. */
 const MOST_SAMPLES = 4096

@@ -1,7 +1,7 @@
-import type { LoadedMap } from '../maps/load'
-import { foilClusters, type FoilClusters } from './foil-clusters'
-import { foilGratings, type FoilGratings } from './foil-gratings'
-import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares'
+import type { LoadedMap } from '../maps/load.ts'
+import { foilClusters, type FoilClusters } from './foil-clusters.ts'
+import { foilGratings, type FoilGratings } from './foil-gratings.ts'
+import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares.ts'
 
 /**
  * How a foil of many gratings is seen: by lights in so many clusters where a pixel covers more than 8 texels, by an

@@ -1,4 +1,4 @@
-import { arrayOf, valuesOf, type LoadedMap } from '../maps/load'
+import { arrayOf, valuesOf, type LoadedMap } from '../maps/load.ts'
 
 /** The different gratings of a foil's map, and which of them lies where. */
 export interface FoilGratings {

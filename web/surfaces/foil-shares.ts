@@ -1,6 +1,6 @@
 import { LinearMipmapLinearFilter, Vector3, type DataArrayTexture } from 'three'
-import { averagedLayers } from './averaged-layers'
-import type { FoilGratings } from './foil-gratings'
+import { averagedLayers } from './averaged-layers.ts'
+import type { FoilGratings } from './foil-gratings.ts'
 
 /** A bit of 32 for each grating tells the shader which ones a pixel shows. */
 export const MOST_GRATINGS = 32

@@ -2,16 +2,16 @@ import { Vector2, Vector4, type IUniform, type Vector3 } from 'three'
 import foilClustersGlsl from '../../shaders/surfaces/foil-clusters.glsl?raw'
 import foilSharesGlsl from '../../shaders/surfaces/foil-shares.glsl?raw'
 import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
-import { DiffractionError } from '../errors'
-import { opticsShaders } from '../glsl/optics-shaders'
-import { loadSharedMap } from '../maps/cache'
-import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load'
-import { imageTexture, smoothImageTexture } from '../maps/image-texture'
-import { floatLiteral } from '../glsl/float-literal'
-import { CLUSTERS, FoilContents, isOnePeriod, type FoilMean } from './foil-contents'
-import { MOST_GRATINGS } from './foil-shares'
-import { GratingSurface } from './grating-surface'
-import type { Optics, OpticsSettings } from './surface'
+import { DiffractionError } from '../errors.ts'
+import { gratingShaders } from '../glsl/grating-shaders.ts'
+import { loadSharedMap } from '../maps/cache.ts'
+import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load.ts'
+import { imageTexture, smoothImageTexture } from '../maps/image-texture.ts'
+import { floatLiteral } from '../glsl/float-literal.ts'
+import { CLUSTERS, FoilContents, isOnePeriod, type FoilMean } from './foil-contents.ts'
+import { MOST_GRATINGS } from './foil-shares.ts'
+import { GratingSurface } from './grating-surface.ts'
+import type { Optics, OpticsSettings } from './surface.ts'
 
 export interface FoilOptions {
   /** Tiles along u and v; (1, 1) by default. */
@@ -28,7 +28,7 @@ export interface FoilOptions {
 export class Foil extends GratingSurface {
   readonly glsl = foilGlsl
   override readonly glslFiles = {
-    ...opticsShaders,
+    ...gratingShaders,
     'foil-clusters.glsl': foilClustersGlsl,
     'foil-shares.glsl': foilSharesGlsl,
   }

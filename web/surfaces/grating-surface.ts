@@ -1,13 +1,13 @@
 import type { IUniform, Vector3 } from 'three'
-import { DiffractionError } from '../errors'
-import { opticsShaders } from '../glsl/optics-shaders'
-import { constantOf, expectKinds, type LoadedMap } from '../maps/load'
-import { gratingOptics } from '../spectrum/grating-optics'
-import { SHORTEST_WAVELENGTH } from '../spectrum/max-order'
-import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
-import { positive } from '../validation'
-import { profileUrl } from './profile'
-import type { Method, Optics, OpticsSettings, Surface } from './surface'
+import { DiffractionError } from '../errors.ts'
+import { gratingShaders } from '../glsl/grating-shaders.ts'
+import { constantOf, expectKinds, type LoadedMap } from '../maps/load.ts'
+import { gratingOptics } from '../spectrum/grating-optics.ts'
+import { SHORTEST_WAVELENGTH } from '../spectrum/max-order.ts'
+import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps.ts'
+import { positive } from '../validation.ts'
+import { profileUrl } from './profile.ts'
+import type { Method, Optics, OpticsSettings, Surface } from './surface.ts'
 
 /** What gratings and maps of gratings have in common: one profile, one height, and a range of periods. */
 export abstract class GratingSurface implements Surface {
@@ -24,7 +24,7 @@ export abstract class GratingSurface implements Surface {
   /** How far the frequencies of gratings that are shown as one are off its own at most, 1/µm. */
   protected readonly frequencyReach: number = 0
 
-  readonly glslFiles = opticsShaders
+  readonly glslFiles = gratingShaders
   readonly methods = ['closed-form', 'wavelength-loop'] as const
   readonly energies = ['conserving', 'reciprocal', 'kirchhoff'] as const
   #version = 0

@@ -1,8 +1,8 @@
 import { Vector2, Vector3 } from 'three'
 import gratingGlsl from '../../shaders/surfaces/grating.glsl?raw'
-import { oneOf, positive, within } from '../validation'
-import { GratingSurface } from './grating-surface'
-import type { OpticsSettings } from './surface'
+import { oneOf, positive, within } from '../validation.ts'
+import { GratingSurface } from './grating-surface.ts'
+import type { OpticsSettings } from './surface.ts'
 
 export const TRACKS = ['straight', 'circular'] as const
 export type Tracks = (typeof TRACKS)[number]

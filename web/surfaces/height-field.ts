@@ -1,14 +1,14 @@
 import { Vector2, type IUniform } from 'three'
 import heightFieldGlsl from '../../shaders/surfaces/height-field.glsl?raw'
-import { DiffractionError } from '../errors'
-import { opticsShaders } from '../glsl/optics-shaders'
-import { expectKinds, type LoadedMap } from '../maps/load'
-import { unlikeBaked } from '../height-field/baked-pattern'
-import { heightFieldOptics } from '../height-field/optics'
-import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps'
-import { within } from '../validation'
-import type { Tiles } from '../height-field/cut-window'
-import type { Method, Optics, OpticsSettings, Surface } from './surface'
+import { DiffractionError } from '../errors.ts'
+import { heightFieldShaders } from '../glsl/height-field-shaders.ts'
+import { expectKinds, type LoadedMap } from '../maps/load.ts'
+import { unlikeBaked } from '../height-field/baked-pattern.ts'
+import { heightFieldOptics } from '../height-field/optics.ts'
+import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps.ts'
+import { within } from '../validation.ts'
+import type { Tiles } from '../height-field/cut-window.ts'
+import type { Method, Optics, OpticsSettings, Surface } from './surface.ts'
 
 export interface HeightFieldOptions {
   /**
@@ -37,7 +37,7 @@ const ALL = ['line-sum', 'baked', 'jacobi-anger', 'taylor'] as const
 export class HeightField implements Surface {
   readonly name = 'HeightField'
   readonly glsl = heightFieldGlsl
-  readonly glslFiles = opticsShaders
+  readonly glslFiles = heightFieldShaders
   readonly planarGratings = null
   readonly methods: readonly Method[]
   readonly energies = ['kirchhoff', 'relative'] as const

@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors'
+import { DiffractionError } from '../errors.ts'
 
 /** Profiles that are baked with the library; any other is the address of a map of kind 'profile'. */
 export const PROFILES = ['sinusoidal', 'rectangular', 'blazed', 'triangular', 'sampled'] as const

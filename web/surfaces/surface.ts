@@ -1,6 +1,6 @@
 import type { IUniform, Vector3 } from 'three'
-import type { LoadedMap } from '../maps/load'
-import type { RefinementFrame } from '../refinement/refinement-frame'
+import type { LoadedMap } from '../maps/load.ts'
+import type { RefinementFrame } from '../refinement/refinement-frame.ts'
 
 export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
 export type Metal = (typeof METALS)[number]
