@@ -111,8 +111,8 @@ def _bright(fit: HarmonicFit) -> Mask:
 def _seen_noise(fit: HarmonicFit, polariser: Array) -> Pixels:
     """Standard deviation of each component of a pixel's A e^{iη}/c, before a circle is known.
 
-    Three photographs leave no residual: then it is that of pixels `LAG` apart, of which a fifth at
-    the least show the same, equal brightness being taken for equal noise.
+    Three photographs leave no residual: then it is what neighbours differ by, of which a fifth at
+    the least are taken to show the same, whatever their brightness.
     """
     photographs = len(polariser)
     if photographs > 3:
@@ -120,7 +120,7 @@ def _seen_noise(fit: HarmonicFit, polariser: Array) -> Pixels:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(_noise(fit, nothing, polariser) / fit.mean, np.float32)
     swing = fit.amplitude * np.exp(1j * fit.phase)
-    apart = np.abs(swing[:, LAG:] - swing[:, :-LAG]) ** 2
+    apart = np.abs(swing[:, 1:] - swing[:, :-1]) ** 2
     apart = apart[np.isfinite(apart)]
     if apart.size == 0:
         return np.zeros(fit.mean.shape, np.float32)

@@ -24,7 +24,7 @@ Complexes = NDArray[np.complex128]
 Points = NDArray[np.complexfloating]
 
 MOST = 2**14
-"""Pixels that a circle is fitted to, picked at random: enough for three numbers where 3 % lie on it."""
+"""Pixels, picked at random, that a circle is fitted to: enough where 3 % lie on it."""
 
 TRIALS, JUDGES = 1000, 1000
 """Circles that are tried, and pixels that judge them."""
@@ -39,7 +39,7 @@ ROUNDS = 40
 """Of a fit; most need five to ten."""
 
 OUTSKIRTS = 3.5
-"""Standard deviations from a cluster's middle to which it is counted: of it 2 in 1000 lie beyond."""
+"""Standard deviations from a cluster's middle to which it is counted: 2 in 1000 lie beyond."""
 
 INEXACT = 0.01
 """What models leave out (haze, oblique light, retardation to second order), over the radius within
@@ -274,7 +274,7 @@ class _Scene:
         rest = 1 - self.share
         weights = np.array([self.share, 0.7 * rest + 0.01, 0.3 * rest + 0.01])
         weights /= weights.sum()
-        loose = 0.0
+        loose, on = 0.0, np.zeros(self.z.size)
         for _ in range(ROUNDS):
             parts = weights[:, None] * self.parts(centre, radius, loose)
             total = parts.sum(axis=0)
@@ -329,7 +329,7 @@ class _Scene:
 
 
 def _mixed(parts: Array) -> float:
-    """The largest logarithm of likelihood of densities, shape (n, points), whatever their shares."""
+    """The largest logarithm of likelihood of densities, shape (n, points), of any shares."""
     weights = np.full(len(parts), 1 / len(parts))
     for _ in range(ROUNDS):
         mixed = weights[:, None] * parts

@@ -70,6 +70,42 @@ def test_bare_pixels_in_the_middle_and_others_anywhere(
     found(phase_circle(points + noise, σ), 0.01)
 
 
+def noisy(points: np.ndarray, σ: float) -> np.ndarray:
+    rng = np.random.default_rng(11)
+    return points + σ * (rng.standard_normal(points.size) + 1j * rng.standard_normal(points.size))
+
+
+@pytest.mark.parametrize("ground", [CENTRE, CENTRE - 0.06])
+@pytest.mark.parametrize("degrees", [np.arange(0, 360, 60), np.arange(360)], ids=len)
+@pytest.mark.parametrize(("lit", "σ"), [(0.12, 0.002), (0.12, 0.02), (0.03, 0.02)])
+def test_few_that_lie_on_it(ground: complex, degrees: ArrayLike, lit: float, σ: float) -> None:
+    """Bare mirrors in the middle, or matt ground beside it, have most of all pixels."""
+    on = np.resize(on_circle(degrees), round(20000 * lit))
+    points = np.concatenate([on, np.full(20000 - on.size, ground)])
+    circle = phase_circle(noisy(points, σ), σ)
+    # Of 490 pixels σ·√(2/490) each way, 0.0013; three of that.
+    found(circle, 0.004)
+
+
+@pytest.mark.parametrize("worse", [1.0, 1.5])
+def test_a_cluster_alone_is_no_circle(worse: float) -> None:
+    """Also where its noise is more than was said."""
+    circle = phase_circle(noisy(np.full(20000, CENTRE), worse * 0.02), 0.02)
+    assert not circle.known and circle.centre == 0
+
+
+def test_two_orientations_about_bare_pixels() -> None:
+    """Three clusters: the circle through them has another centre, but most are bare."""
+    points = np.concatenate([np.repeat(on_circle([10, 130]), 1000), np.full(8000, CENTRE)])
+    found(phase_circle(noisy(points, 0.01), 0.01), 0.002)
+
+
+def test_two_orientations_on_matt_ground_tell_nothing() -> None:
+    """They may be three orientations as well."""
+    points = np.concatenate([np.repeat(on_circle([10, 100]), 1000), np.full(8000, CENTRE - 0.06)])
+    assert not phase_circle(noisy(points, 0.005), 0.005).known
+
+
 @pytest.mark.parametrize("degrees", [[], [40], [40, 40, 40, 40], [0, 90, 0, 90], [50, 51, 52]])
 def test_too_few_orientations_tell_no_circle(degrees: list[float]) -> None:
     """Then centre 0, as where nothing is known of the mirror's light."""
