@@ -87,7 +87,7 @@ def test_few_that_lie_on_it(ground: complex, degrees: ArrayLike, lit: float, σ:
     found(circle, 0.004)
 
 
-@pytest.mark.parametrize("worse", [1.0, 1.5])
+@pytest.mark.parametrize("worse", [1.0, 1.5, 4.0])
 def test_a_cluster_alone_is_no_circle(worse: float) -> None:
     """Also where its noise is more than was said."""
     circle = phase_circle(noisy(np.full(20000, CENTRE), worse * 0.02), 0.02)
