@@ -80,7 +80,8 @@ def diffracting(light: Pixels, polariser: Array, run: Run = in_threads) -> Diffr
     # Over bare pixels too: what they add to the means moves all points alike, as the circle is.
     harmonics = Harmonics.of(polariser, photograph_means(some, known))
     fit = fitted(some, harmonics, run)
-    circle = phase_circle(modulations(fit)[_bright(fit)])
+    judges = _bright(fit)
+    circle = phase_circle(modulations(fit)[judges], _seen_noise(fit, polariser)[judges])
     fit = centred(fitted(light, harmonics, run), circle)
     bright = _bright(fit)
     alike, least = _alikeness(fit, bright)
@@ -105,6 +106,28 @@ def _bright(fit: HarmonicFit) -> Mask:
     known = np.isfinite(fit.mean)
     _check_any(known)
     return known & (fit.mean > DARK * np.percentile(fit.mean[known], 90))
+
+
+def _seen_noise(fit: HarmonicFit, polariser: Array) -> Pixels:
+    """Standard deviation of each component of a pixel's A e^{iη}/c, before a circle is known.
+
+    Three photographs leave no residual: then it is what neighbours differ by, of which a fifth at
+    the least are taken to show the same, whatever their brightness.
+    """
+    photographs = len(polariser)
+    if photographs > 3:
+        nothing = PhaseCircle(0j, 0.0, 0.0, False)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(_noise(fit, nothing, polariser) / fit.mean, np.float32)
+    swing = fit.amplitude * np.exp(1j * fit.phase)
+    apart = np.abs(swing[:, 1:] - swing[:, :-1]) ** 2
+    apart = apart[np.isfinite(apart)]
+    if apart.size == 0:
+        return np.zeros(fit.mean.shape, np.float32)
+    # |z − z'|² is spread exponentially about 4σ², a fifth of it below log(5/4) of that.
+    variance = float(np.quantile(apart, 0.2)) / (4 * np.log(5 / 4))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.sqrt(variance) / fit.mean, np.float32)
 
 
 def _noise(fit: HarmonicFit, circle: PhaseCircle, polariser: Array) -> Pixels:

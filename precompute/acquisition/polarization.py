@@ -134,7 +134,10 @@ def acquire_polarization(
         first = np.nan_to_num(np.asarray(registered.light[0]))[..., None]
         raise PhotographError(about, Evidence.of(registered.names[0], first)) from error
     if not found.circle.known:
-        remark("orientations are too few to tell what all pixels have in common: bare ones may be")
+        remark(
+            "orientations are too few, or noise too much, to tell what all pixels have in common: "
+            "which are bare and how gratings lie is a guess, and confidence is 0"
+        )
     clipped = max(registered.clipped)
     if clipped > 0:
         remark(f"up to {clipped:.1%} of the sample is clipped in a photograph, and left unknown")
@@ -151,10 +154,13 @@ def acquire_polarization(
 
 
 def confidences(found: Diffracting) -> Pixels:
-    """What orientations are worth: 0 where nothing diffracts or noise is as good, else up to 1."""
+    """What orientations are worth: 0 where nothing diffracts or noise is as good, else up to 1.
+
+    All are worth nothing where the circle is unknown: they are counted from no place in particular.
+    """
     with np.errstate(invalid="ignore", over="ignore"):
         worth = np.clip(1 - (found.noise / DOUBT) ** 2, 0, 1)
-    return np.where(found.mask, worth, 0).astype(np.float32)
+    return np.where(found.mask & found.circle.known, worth, 0).astype(np.float32)
 
 
 def relative_periods(found: Diffracting, periods: tuple[float, float]) -> Array:

@@ -499,6 +499,42 @@ def test_bare_mirrors_are_told_from_gratings(noise: float, wrong: float) -> None
         assert np.degrees(np.median(found.noise[believed])) / 2 == pytest.approx(expected, rel=0.2)
 
 
+@pytest.mark.parametrize("lit", [0.12, 0.04])
+@pytest.mark.parametrize("photographs", [3, 8])
+def test_little_of_a_sheet_diffracts(lit: float, photographs: int) -> None:
+    """Squares of 5 × 5 pixels among bare mirrors under a retarder."""
+    rng = np.random.default_rng(7)
+    ψ = np.pi * np.arange(photographs) / photographs
+    square = np.ones((5, 5))
+    diffracts = np.kron(rng.random((32, 32)) < lit, square) > 0
+    θ = np.kron(np.pi * rng.random((32, 32)), square)
+    turn = 2 * (ψ[:, None, None] - θ)
+    common = 1 + 0.15 * np.sin(2 * (ψ[:, None, None] - 0.4))
+    light = 0.8 * (common + 0.2 * np.where(diffracts, np.cos(turn), 0))
+    light = light + 0.01 * rng.standard_normal(light.shape)
+    found = diffracting(light.astype(np.float32), ψ)
+    assert found.circle.known
+    assert found.circle.radius == pytest.approx(0.2, rel=0.02)
+    assert np.count_nonzero(found.mask != diffracts) < 0.01 * np.count_nonzero(diffracts)
+    off = off_deg(found.fit.phase / 2, θ)[found.mask & diffracts]
+    # σ/g √(2/K) / A of a phase; 1.5° at the most.
+    expected = np.degrees(0.01 / 0.8 * np.sqrt(2 / photographs) / 0.2 / 2)
+    assert np.std(off) == pytest.approx(expected, rel=0.2)
+    assert np.median(confidences(found)[found.mask]) > 0.95
+
+
+def test_what_is_counted_from_nowhere_is_worth_nothing() -> None:
+    """Two orientations all over: neither their circle's centre nor what is bare can be told."""
+    ψ = np.radians(np.arange(8) * 22.5)
+    rng = np.random.default_rng(7)
+    θ = np.kron(rng.choice([0.3, 1.0], (20, 20)), np.ones((6, 6)))
+    light = 1 + 0.2 * np.cos(2 * (ψ[:, None, None] - θ))
+    light = light + 0.01 * rng.standard_normal(light.shape)
+    found = diffracting(light.astype(np.float32), ψ)
+    assert not found.circle.known
+    assert found.mask.any() and not confidences(found).any()
+
+
 def test_what_is_dark_does_not_diffract() -> None:
     """Of a hundredth of the brightness noise is half the light, whatever its phase is."""
     ψ = np.radians(np.arange(8) * 22.5)

@@ -32,7 +32,7 @@ def found(circle: PhaseCircle, error: float) -> None:
     "degrees", [[0, 100, 220], np.arange(360), np.arange(150), [10, 20, 30, 90, 170]], ids=str
 )
 def test_points_on_a_circle_give_it(degrees: ArrayLike) -> None:
-    circle = phase_circle(on_circle(degrees))
+    circle = phase_circle(np.repeat(on_circle(degrees), 200))
     found(circle, 1e-12)
     assert circle.scatter < 1e-12
 
@@ -43,7 +43,7 @@ def test_noise_moves_the_centre_by_its_mean_only() -> None:
     degrees = np.concatenate([rng.uniform(0, 36, 40000), rng.uniform(0, 360, 20000)])
     noise = 0.02 * (rng.standard_normal(60000) + 1j * rng.standard_normal(60000))
     points = on_circle(degrees) + noise
-    circle = phase_circle(points)
+    circle = phase_circle(points, 0.02)
     # Taubin's bias is of the order of σ²/r = 0.002; what the mean is off is 0.13.
     found(circle, 0.003)
     assert circle.scatter == pytest.approx(0.02, rel=0.05)
@@ -67,13 +67,49 @@ def test_bare_pixels_in_the_middle_and_others_anywhere(
         ]
     )
     noise = σ * (rng.standard_normal(points.size) + 1j * rng.standard_normal(points.size))
-    found(phase_circle(points + noise), 0.01)
+    found(phase_circle(points + noise, σ), 0.01)
+
+
+def noisy(points: np.ndarray, σ: float) -> np.ndarray:
+    rng = np.random.default_rng(11)
+    return points + σ * (rng.standard_normal(points.size) + 1j * rng.standard_normal(points.size))
+
+
+@pytest.mark.parametrize("ground", [CENTRE, CENTRE - 0.06])
+@pytest.mark.parametrize("degrees", [np.arange(0, 360, 60), np.arange(360)], ids=len)
+@pytest.mark.parametrize(("lit", "σ"), [(0.12, 0.002), (0.12, 0.02), (0.03, 0.02)])
+def test_few_that_lie_on_it(ground: complex, degrees: ArrayLike, lit: float, σ: float) -> None:
+    """Bare mirrors in the middle, or matt ground beside it, have most of all pixels."""
+    on = np.resize(on_circle(degrees), round(20000 * lit))
+    points = np.concatenate([on, np.full(20000 - on.size, ground)])
+    circle = phase_circle(noisy(points, σ), σ)
+    # Of 490 pixels σ·√(2/490) each way, 0.0013; three of that.
+    found(circle, 0.004)
+
+
+@pytest.mark.parametrize("worse", [1.0, 1.5, 4.0])
+def test_a_cluster_alone_is_no_circle(worse: float) -> None:
+    """Also where its noise is more than was said."""
+    circle = phase_circle(noisy(np.full(20000, CENTRE), worse * 0.02), 0.02)
+    assert not circle.known and circle.centre == 0
+
+
+def test_two_orientations_about_bare_pixels() -> None:
+    """Three clusters: the circle through them has another centre, but most are bare."""
+    points = np.concatenate([np.repeat(on_circle([10, 130]), 1000), np.full(8000, CENTRE)])
+    found(phase_circle(noisy(points, 0.01), 0.01), 0.002)
+
+
+def test_two_orientations_on_matt_ground_tell_nothing() -> None:
+    """They may be three orientations as well."""
+    points = np.concatenate([np.repeat(on_circle([10, 100]), 1000), np.full(8000, CENTRE - 0.06)])
+    assert not phase_circle(noisy(points, 0.005), 0.005).known
 
 
 @pytest.mark.parametrize("degrees", [[], [40], [40, 40, 40, 40], [0, 90, 0, 90], [50, 51, 52]])
 def test_too_few_orientations_tell_no_circle(degrees: list[float]) -> None:
     """Then centre 0, as where nothing is known of the mirror's light."""
-    circle = phase_circle(on_circle(degrees) + 0j)
+    circle = phase_circle(np.repeat(on_circle(degrees) + 0j, 200))
     assert not circle.known and circle.centre == 0
     if degrees:
         assert circle.radius == pytest.approx(np.abs(on_circle(degrees)).mean())
