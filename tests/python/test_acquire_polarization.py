@@ -350,9 +350,9 @@ def test_a_cluster_writes_the_same_bytes(
 def test_a_scheduler_that_is_none(
     capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(blocks, "TIMEOUT_S", 0.5)
     file = changed(capture, tmp_path, lambda fields, folder: None)
-    with socket.create_server(("127.0.0.1", 0)) as silent:
+    with socket.create_server(("127.0.0.1", 0)) as silent, monkeypatch.context() as patch:
+        patch.setattr(blocks, "TIMEOUT_S", 0.5)
         port = silent.getsockname()[1]
         message = refusal(file, "--scheduler", f"127.0.0.1:{port}")
     expected = "a Dask scheduler that answers within 0.5 s"
