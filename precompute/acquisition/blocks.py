@@ -150,7 +150,8 @@ async def _asked(address: str) -> tuple[int, dict[str, dict[str, str | None]]]:
 
     packages = list(ALIKE)
     encryption = Security().get_connection_args("client")
-    scheduler: Any = rpc(address, timeout=TIMEOUT_S, connection_args=encryption)
+    # Where nobody listens it is tried again until then: before all of the time is up.
+    scheduler: Any = rpc(address, timeout=TIMEOUT_S / 2, connection_args=encryption)
     async with scheduler:
         identity = await scheduler.identity()
         if identity["type"] != "Scheduler":
