@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from precompute.files import written_aside
 from precompute.report.map_errors import MapErrors
@@ -139,6 +140,8 @@ def _draw(
             axes.plot(places, errors, "o-", markersize=3, label=name)
         axes.set(ylabel="mean error of orientation (deg)", xscale="log", yscale="log")
         axes.set_xticks(places, [f"{place:g}" for place in places])
+        axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.yaxis.set_major_formatter("{x:g}")
         axes.minorticks_off()
         axes.legend(fontsize=8)
     left.axhline(PAPER_ERROR, color="grey", linestyle=":")
