@@ -113,8 +113,8 @@ def acquisition_rows(pictures: Path) -> Iterator[Acquisition]:
         for design in DESIGNS:
             yield from _design_rows(design, work, pictures)
         yield from fusion_rows(work)
-        yield from polarized_rows(work, pictures)
-        yield from filter_rows(work, pictures)
+        yield from polarized_rows(work / "polarized", pictures)
+        yield from filter_rows(work / "polarized", pictures)
     yield from polarization_model_rows(pictures)
     yield from spiral_rows(ROOT)
 
