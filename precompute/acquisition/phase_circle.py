@@ -26,8 +26,8 @@ Points = NDArray[np.complexfloating]
 MOST = 2**14
 """Pixels, picked at random, that a circle is fitted to: enough where 3 % lie on it."""
 
-TRIALS, JUDGES = 1000, 1000
-"""Circles that are tried, and pixels that judge them."""
+TRIALS, CENTRES, JUDGES = 1000, 400, 1000
+"""Circles and middles of the cluster that are tried, and pixels that judge them."""
 
 FITTED = 2**12
 """Pixels from which the best circles are compared."""
@@ -117,11 +117,10 @@ def phase_circle(points: Points, noise: ArrayLike = 0.0) -> PhaseCircle:
     z, σ = points[there].astype(np.complex128), every[there].astype(np.float64)
     picked = rng.permutation(z.size)[:MOST]
     z, σ = z[picked], σ[picked]
-    unknown = PhaseCircle(0j, float(np.abs(z).mean()) if z.size else 0.0, 0.0, False)
-    unknown = replace(unknown, scatter=float(np.std(np.abs(z))) if z.size else 0.0)
     if z.size < 3:
-        return unknown
-    scene = _Scene.of(z, σ, rng)
+        return PhaseCircle(0j, float(np.abs(z).mean()) if z.size else 0.0, 0.0, False)
+    unknown = PhaseCircle(0j, float(np.abs(z).mean()), float(np.std(np.abs(z))), False)
+    scene = _Scene.of(z, σ)
     if scene.reach == 0:
         return unknown
     through, about = scene.trials(rng)
@@ -186,13 +185,12 @@ class _Scene:
     within: NDArray[np.bool_]
 
     @staticmethod
-    def of(z: Complexes, σ: Array, rng: np.random.Generator) -> _Scene:
+    def of(z: Complexes, σ: Array) -> _Scene:
         about = complex(np.median(z.real) + 1j * np.median(z.imag))
         reach = float(np.quantile(np.abs(z - about), 0.995))
         width = np.hypot(σ, max(INEXACT * reach, 1e-12))
-        judges = slice(JUDGES)
-        tried = z[-400:]
-        near = np.abs(tried[:, None] - z[judges]) < 2 * width[judges]
+        tried = z[-CENTRES:]
+        near = np.abs(tried[:, None] - z[:JUDGES]) < 2 * width[:JUDGES]
         middle = complex(tried[near.sum(axis=1).argmax()])
         for _ in range(10):
             weight = (np.abs(z - middle) < 2 * width) / width**2
