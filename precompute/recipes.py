@@ -155,7 +155,7 @@ def validated(file: Path, adapter: TypeAdapter[Any]) -> Any:
     """A JSON file's contents as the type of `adapter`, with `InputError` for whatever is wrong."""
     try:
         contents = json.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as failure:
+    except (OSError, ValueError, RecursionError) as failure:
         raise unreadable(file, failure) from failure
     try:
         return adapter.validate_python(contents)
