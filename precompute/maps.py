@@ -12,7 +12,15 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    FailFast,
+    Field,
+    ValidationError,
+    model_validator,
+)
 from scipy.ndimage import map_coordinates
 
 import precompute
@@ -27,7 +35,7 @@ VERSION = 1
 Kind = Literal["profile", "lobes", "metals", "foil", "height-field-terms", "height-field-baked"]
 
 
-MAX_SIDECAR_BYTES = 2**20
+MAX_SIDECAR_BYTES = 2**18
 """Shipped sidecars have 16 kB. A validation lists every wrong field, which costs far more."""
 
 MAX_ARRAY_BYTES = 2**28
@@ -71,7 +79,7 @@ class ArraySpec(BaseModel):
     dtype: Literal["float16", "float32", "uint8"]
     shape: Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2, max_length=4)]
     sha256: str
-    axes: tuple[Axis, ...]
+    axes: Annotated[tuple[Axis, ...], FailFast()]
     channels: tuple[str, ...]
     decode: tuple[tuple[float, float], ...] | None = None
 
@@ -308,7 +316,8 @@ def _read_table(file: Path, spec: ArraySpec) -> Table:
             values = offset + scale * texels / 255.0
     else:
         values = np.frombuffer(data, np.dtype(spec.dtype).newbyteorder("<")).reshape(spec.shape)
-        values = values.astype(np.float64)
+        with np.errstate(invalid="ignore"):  # counted below
+            values = values.astype(np.float64)
     bad = int(np.sum(~np.isfinite(values)))
     if bad:
         raise InputError(file, "texels", f"{bad} NaN or infinite", "finite numbers")

@@ -369,6 +369,17 @@ def test_a_sidecar_that_is_too_large_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "new").exists()
 
 
+def test_a_sidecar_of_many_failures_is_refused_at_once(tmp_path: Path) -> None:
+    """Written out they took gigabytes."""
+    sidecar = spoil(tmp_path, lambda s: s.update({f"x{i}": 0 for i in range(20_000)}))
+    with refused(sidecar, "contents", "20000 wrong fields", "1000 at most"):
+        Map.read(sidecar)
+    sidecar = spoil(tmp_path, lambda s: s["arrays"]["numbers"].update(axes=[{}] * 50_000))
+    with pytest.raises(InputError) as caught:
+        Map.read(sidecar)
+    assert caught.value.field == "arrays.numbers.axes.0.name"
+
+
 def test_a_name_that_could_not_be_read_is_not_written(tmp_path: Path) -> None:
     name = "a:b.numbers.bin"
     with refused(tmp_path / "a:b.json", "file", name, "name without a folder"):

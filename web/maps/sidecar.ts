@@ -16,7 +16,7 @@ export const MAP_KINDS = [
 export type MapKind = (typeof MAP_KINDS)[number]
 
 /** Shipped sidecars have 16 kB. */
-export const MAX_SIDECAR_BYTES = 2 ** 20
+export const MAX_SIDECAR_BYTES = 2 ** 18
 /** 8192 × 8192 texels of 8-bit RGBA: larger textures cannot be relied upon. */
 const MAX_ARRAY_BYTES = 2 ** 28
 
