@@ -30,7 +30,7 @@ class Axis(BaseModel):
         last: The parameter at the last texel's centre.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     name: str
     symbol: str

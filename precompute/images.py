@@ -6,18 +6,25 @@ Arrays are (height, width, channels).
 from __future__ import annotations
 
 import io
+import math
+import struct
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import OpenEXR
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from precompute.errors import InputError, unreadable
 from precompute.files import written_aside
 
 MODES = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA"}
+PNG_BIT_DEPTH = 24
+"""Offset of the bit depth in a PNG: 8 bytes of signature, 8 of the header chunk's length and name,
+8 of width and height."""
+PNG_FAILURES = (OSError, ValueError, SyntaxError, struct.error, Image.DecompressionBombError)
+MAX_DEFLATE_RATIO = 1032  # of bytes out to bytes in: 258 bytes for 2 bits
 EXR_CHANNELS = {1: "Y", 3: "RGB", 4: "RGBA"}
 
 
@@ -30,26 +37,37 @@ def encode_png(texels: NDArray[np.uint8]) -> bytes:
     return buffer.getvalue()
 
 
-def decode_png(file: Path, data: bytes) -> NDArray[np.uint8]:
+def decode_png(file: Path, data: bytes, shape: tuple[int, ...]) -> NDArray[np.uint8]:
     """Texels of an 8-bit RGBA PNG.
 
     Args:
         file: The file's name, for errors.
         data: Its contents.
+        shape: What it must have: (height, width, 4).
 
     Returns:
-        Shape (height, width, 4).
+        That shape.
 
     Raises:
-        InputError: Not a PNG, or with other channels or bits than 8-bit RGBA.
+        InputError: Not a PNG, of another size, or with other channels or bits than 8-bit RGBA.
     """
     try:
         image = Image.open(io.BytesIO(data), formats=["PNG"])
-        image.load()
-    except (UnidentifiedImageError, OSError) as failure:
+    except PNG_FAILURES as failure:
         raise unreadable(file, failure) from failure
     if image.mode != "RGBA":
         raise InputError(file, "channels", image.mode, "RGBA, 8 bit")
+    if data[PNG_BIT_DEPTH] != 8:  # Pillow would cut 16 bits down to 8
+        raise InputError(file, "bits", data[PNG_BIT_DEPTH], "RGBA, 8 bit")
+    found = (image.height, image.width, 4)
+    if found != shape:
+        raise InputError(file, "shape", found, f"{shape}")
+    if math.prod(shape) > MAX_DEFLATE_RATIO * len(data):
+        raise InputError(file, "size", len(data), "bytes enough for its texels")
+    try:
+        image.load()
+    except PNG_FAILURES as failure:
+        raise unreadable(file, failure) from failure
     return np.asarray(image)
 
 

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    FailFast,
+    Field,
+    ValidationError,
+    model_validator,
+)
 from scipy.ndimage import map_coordinates
 
 import precompute
@@ -23,6 +33,30 @@ from precompute.validation import first_failure
 FORMAT = "three-diffraction/map"
 VERSION = 1
 Kind = Literal["profile", "lobes", "metals", "foil", "height-field-terms", "height-field-baked"]
+
+
+MAX_SIDECAR_BYTES = 2**18
+"""Shipped sidecars have 16 kB. A validation lists every wrong field, which costs far more."""
+
+MAX_ARRAY_BYTES = 2**28
+"""8192 × 8192 texels of 8-bit RGBA: larger textures cannot be relied upon."""
+
+
+def _file_name(name: str) -> str:
+    # Nothing that leaves the folder on any system, or that no system has in a name.
+    if re.fullmatch(r"[^/\\:\x00-\x1f\x7f]+\.(bin|png)", name) is None:
+        raise ValueError("a .bin's or .png's name without a folder")
+    return name
+
+
+def _json_value(value: dict[str, Any]) -> dict[str, Any]:
+    json.dumps(value, allow_nan=False)
+    return value
+
+
+# Arrays and constants are keys of objects in JavaScript, and array names become files' names.
+Name = Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_]*$")]
+Json = Annotated[dict[str, Any], AfterValidator(_json_value)]
 
 
 class ArraySpec(BaseModel):
@@ -39,13 +73,13 @@ class ArraySpec(BaseModel):
         decode: For 8-bit files, (offset, scale) of each channel: value = offset + scale·texel/255.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    file: str
+    file: Annotated[str, AfterValidator(_file_name)]
     dtype: Literal["float16", "float32", "uint8"]
-    shape: tuple[Annotated[int, Field(ge=1)], ...]
+    shape: Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2, max_length=4)]
     sha256: str
-    axes: tuple[Axis, ...]
+    axes: Annotated[tuple[Axis, ...], FailFast()]
     channels: tuple[str, ...]
     decode: tuple[tuple[float, float], ...] | None = None
 
@@ -54,25 +88,37 @@ class ArraySpec(BaseModel):
         expected = (*(axis.size for axis in self.axes), len(self.channels))
         if self.shape != expected:
             raise ValueError(f"the shape of its axes and channels, {expected}, not {self.shape}")
-        if self.dtype == "uint8" and (self.decode is None or len(self.decode) != expected[-1]):
-            raise ValueError("for uint8, decode with an offset and a scale for each channel")
+        if self.file.endswith(".png") != (self.dtype == "uint8"):
+            raise ValueError("uint8 in a .png, other numbers in a .bin")
+        if self.dtype == "uint8":
+            if self.decode is None or len(self.decode) != expected[-1]:
+                raise ValueError("for uint8, decode with an offset and a scale for each channel")
+            if len(expected) != 3 or expected[2] != 4:
+                raise ValueError("for uint8, rows, columns and 4 channels")
+        if self.byte_size > MAX_ARRAY_BYTES:
+            raise ValueError(f"an array of {MAX_ARRAY_BYTES} bytes at most")
         return self
+
+    @property
+    def byte_size(self) -> int:
+        """Size of its numbers, before any compression."""
+        return math.prod(self.shape) * np.dtype(self.dtype).itemsize
 
 
 class Sidecar(BaseModel):
     """What NAME.json says of a map; its fields are described in docs/map-format.md."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     format: Literal["three-diffraction/map"] = FORMAT
     version: Literal[1] = VERSION
     kind: Kind
     quantity: str
     symbol: str
-    arrays: dict[str, ArraySpec]
-    constants: dict[str, float | tuple[float, ...]]
+    arrays: dict[Name, ArraySpec]
+    constants: dict[Name, float | tuple[float, ...]]
     error: dict[str, float | str]
-    recipe: dict[str, Any]
+    recipe: Json
     generator: dict[str, str] = Field(
         default_factory=lambda: {"name": "precompute", "version": precompute.__version__}
     )
@@ -85,9 +131,8 @@ class Sidecar(BaseModel):
             InputError: It is missing, of another format or version, or a field is wrong.
         """
         try:
-            return Sidecar.model_validate_json(file.read_bytes())
-        except OSError as failure:
-            raise unreadable(file, failure) from failure
+            # Strict: a number in quotes is none.
+            return Sidecar.model_validate_json(_contents(file, MAX_SIDECAR_BYTES), strict=True)
         except ValidationError as failure:
             raise first_failure(file, failure) from failure
 
@@ -155,34 +200,42 @@ class Map:
             The files written.
 
         Raises:
-            InputError: A table holds numbers that its storage type cannot.
+            InputError: A table holds numbers that its storage type cannot, or the map is one that
+                `read` would refuse.
         """
+        sidecar_name = folder / f"{name}.json"
         contents, arrays = {}, {}
-        for key, table in self.tables.items():
-            suffix = "png" if table.dtype == "uint8" else "bin"
-            file = folder / f"{name}.{key}.{suffix}"
-            data = _encoded(table, file, key)
-            contents[file] = data
-            arrays[key] = ArraySpec(
-                file=file.name,
-                dtype=table.dtype,
-                shape=table.values.shape,
-                sha256=hashlib.sha256(data).hexdigest(),
-                axes=table.axes,
-                channels=table.channels,
-                decode=table.decode,
+        try:
+            for key, table in self.tables.items():
+                suffix = "png" if table.dtype == "uint8" else "bin"
+                file = folder / f"{name}.{key}.{suffix}"
+                data = _encoded(table, file, key)
+                contents[file] = data
+                arrays[key] = ArraySpec(
+                    file=file.name,
+                    dtype=table.dtype,
+                    shape=table.values.shape,
+                    sha256=hashlib.sha256(data).hexdigest(),
+                    axes=table.axes,
+                    channels=table.channels,
+                    decode=table.decode,
+                )
+            sidecar = Sidecar(
+                kind=self.kind,
+                quantity=self.quantity,
+                symbol=self.symbol,
+                arrays=arrays,
+                constants=self.constants,
+                error=self.error,
+                recipe=self.recipe,
             )
-        sidecar = Sidecar(
-            kind=self.kind,
-            quantity=self.quantity,
-            symbol=self.symbol,
-            arrays=arrays,
-            constants=self.constants,
-            error=self.error,
-            recipe=self.recipe,
-        )
-        text = json.dumps(sidecar.model_dump(exclude_none=True), indent=1, allow_nan=False)
-        contents[folder / f"{name}.json"] = text.encode() + b"\n"
+        except ValidationError as failure:
+            raise first_failure(sidecar_name, failure) from failure
+        text = json.dumps(sidecar.model_dump(exclude_none=True), indent=1)
+        contents[sidecar_name] = text.encode() + b"\n"
+        if len(contents[sidecar_name]) > MAX_SIDECAR_BYTES:
+            size, expected = len(contents[sidecar_name]), f"{MAX_SIDECAR_BYTES} bytes at most"
+            raise InputError(sidecar_name, "size", size, expected)
         for file, data in contents.items():
             with written_aside(file) as aside:
                 aside.write_bytes(data)
@@ -196,8 +249,9 @@ class Map:
             file: The sidecar, with or without ``.json``.
 
         Raises:
-            InputError: The sidecar is of another format or version or lacks a field, or a binary
-                is missing, truncated, of another checksum, or holds NaN or infinite texels.
+            InputError: The sidecar is of another format or version, lacks a field or names a file
+                elsewhere, or a binary is missing, of another size or checksum than stated, or
+                holds NaN or infinite texels.
         """
         file = sidecar_file(file)
         sidecar = Sidecar.read(file)
@@ -234,26 +288,36 @@ def _encoded(table: Table, file: Path, key: str) -> bytes:
     return encode_png(stored.astype(np.uint8)) if table.dtype == "uint8" else stored.tobytes()
 
 
-def _read_table(file: Path, spec: ArraySpec) -> Table:
+def _contents(file: Path, most: int) -> bytes:
+    """A file's bytes, its size being looked at first; links are followed."""
     try:
-        data = file.read_bytes()
+        size = file.stat().st_size
+        if not file.is_file():
+            raise unreadable(file, "no regular file")
+        if size > most:
+            raise InputError(file, "size", size, f"{most} bytes at most")
+        return file.read_bytes()
     except OSError as failure:
         raise unreadable(file, failure) from failure
-    expected = int(np.prod(spec.shape)) * np.dtype(spec.dtype).itemsize
-    if spec.dtype != "uint8" and len(data) != expected:
-        raise InputError(file, "size", len(data), f"{expected} bytes")
+
+
+def _read_table(file: Path, spec: ArraySpec) -> Table:
+    # Deflate stores what it cannot compress; twice as much is no picture of that size.
+    data = _contents(file, 2 * spec.byte_size + 2**16 if spec.dtype == "uint8" else spec.byte_size)
+    if spec.dtype != "uint8" and len(data) != spec.byte_size:
+        raise InputError(file, "size", len(data), f"{spec.byte_size} bytes")
     checksum = hashlib.sha256(data).hexdigest()
     if checksum != spec.sha256:
         raise InputError(file, "sha256", checksum, spec.sha256)
     if spec.dtype == "uint8":
-        texels = decode_png(file, data)
-        if texels.shape != spec.shape:
-            raise InputError(file, "shape", texels.shape, f"{spec.shape}")
+        texels = decode_png(file, data, spec.shape)
         offset, scale = np.array(spec.decode).T
-        values = offset + scale * texels / 255.0
+        with np.errstate(over="ignore", invalid="ignore"):  # counted below
+            values = offset + scale * texels / 255.0
     else:
         values = np.frombuffer(data, np.dtype(spec.dtype).newbyteorder("<")).reshape(spec.shape)
-        values = values.astype(np.float64)
+        with np.errstate(invalid="ignore"):  # counted below
+            values = values.astype(np.float64)
     bad = int(np.sum(~np.isfinite(values)))
     if bad:
         raise InputError(file, "texels", f"{bad} NaN or infinite", "finite numbers")

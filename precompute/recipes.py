@@ -155,7 +155,10 @@ def validated(file: Path, adapter: TypeAdapter[Any]) -> Any:
     """A JSON file's contents as the type of `adapter`, with `InputError` for whatever is wrong."""
     try:
         contents = json.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as failure:
+        # Half a surrogate pair cannot be encoded, nor can a path hold it or a NUL.
+        if b"\\u0000" in json.dumps(contents, ensure_ascii=False).encode():
+            raise ValueError("a NUL character")
+    except (OSError, ValueError, RecursionError) as failure:
         raise unreadable(file, failure) from failure
     try:
         return adapter.validate_python(contents)

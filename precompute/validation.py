@@ -8,6 +8,9 @@ from pydantic import ValidationError
 
 from precompute.errors import InputError
 
+MAX_FAILURES = 1000
+"""Pydantic writes all of them out, at a kilobyte each, though but the first is told."""
+
 
 def first_failure(
     file: str | Path, failure: ValidationError, contents: object = None
@@ -21,6 +24,9 @@ def first_failure(
             those of one kind by a field ``design``: pydantic puts both into a field's path, and
             they are taken out again.
     """
+    if failure.error_count() > MAX_FAILURES:
+        found = f"{failure.error_count()} wrong fields"
+        return InputError(file, "contents", found, f"{MAX_FAILURES} at most to look at")
     first = failure.errors()[0]
     path = _without_kinds(first["loc"], contents)
     value, expected, context = first["input"], first["msg"], first.get("ctx", {})

@@ -32,7 +32,12 @@ function describe(value: unknown): string {
   if (value === undefined) return 'missing'
   if (typeof value === 'number' || typeof value === 'bigint') return String(value)
   if (typeof value === 'function') return 'a function'
-  const text = JSON.stringify(value) as string | undefined
+  let text: string | undefined
+  try {
+    text = JSON.stringify(value)
+  } catch {
+    // Nested too deep, or within itself.
+  }
   if (text === undefined) return typeof value
   return text.length > 80 ? `${text.slice(0, 77)}…` : text
 }

@@ -17,7 +17,7 @@ from PIL.TiffImagePlugin import BITSPERSAMPLE, PHOTOMETRIC_INTERPRETATION, TiffI
 
 from precompute.errors import InputError, unreadable
 from precompute.height_fields.field import HeightField
-from precompute.images import read_exr
+from precompute.images import PNG_BIT_DEPTH, read_exr
 
 Array = NDArray[np.float64]
 
@@ -44,10 +44,6 @@ INSTRUMENTS = {
 }
 """Suffixes of instruments' files and the names that SurfaceTopography has for the formats. A format
 is never guessed from the contents: a damaged file could pass for another."""
-
-PNG_BIT_DEPTH = 24
-"""Offset of the bit depth in a PNG: 8 bytes of signature, 8 of the header chunk's length and name,
-8 of width and height."""
 
 
 def read_height_field(

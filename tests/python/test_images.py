@@ -14,21 +14,25 @@ from precompute.images import decode_png, encode_png, read_exr, write_exr
 def test_png_keeps_every_texel_also_where_alpha_is_zero() -> None:
     texels = np.random.default_rng(1).integers(0, 256, (7, 5, 4), dtype=np.uint8)
     texels[2:4, :, 3] = 0
-    assert np.array_equal(decode_png(Path("x.png"), encode_png(texels)), texels)
+    assert np.array_equal(decode_png(Path("x.png"), encode_png(texels), texels.shape), texels)
 
 
 @pytest.mark.parametrize(("channels", "mode"), [(1, "L"), (2, "LA"), (3, "RGB")])
 def test_png_of_other_channels_is_refused(channels: int, mode: str) -> None:
     data = encode_png(np.zeros((2, 2, channels), np.uint8))
     with refused("x.png", "channels", mode, "RGBA, 8 bit"):
-        decode_png(Path("x.png"), data)
+        decode_png(Path("x.png"), data, (2, 2, 4))
 
 
 @pytest.mark.parametrize("damage", ["truncated", "no PNG"])
 def test_damaged_png_is_refused(damage: str) -> None:
     data = encode_png(np.random.default_rng(1).integers(0, 256, (64, 64, 4), dtype=np.uint8))
     with pytest.raises(InputError) as caught:
-        decode_png(Path("x.png"), data[: len(data) // 2] if damage == "truncated" else b"GIF89a")
+        decode_png(
+            Path("x.png"),
+            data[: len(data) // 2] if damage == "truncated" else b"GIF89a",
+            (64, 64, 4),
+        )
     assert (caught.value.file, caught.value.field) == ("x.png", "contents")
 
 

@@ -2,6 +2,9 @@
 
 import hashlib
 import json
+import os
+import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
@@ -14,7 +17,7 @@ from precompute.axes import Axis
 from precompute.bake import bake
 from precompute.errors import InputError
 from precompute.images import encode_png
-from precompute.maps import Map, Table
+from precompute.maps import MAX_SIDECAR_BYTES, Map, Table
 
 RECIPES = {
     "profile": {"kind": "profile", "profile": "blazed", "samples": 32, "max_order": 4},
@@ -282,4 +285,157 @@ def test_picture_of_another_size_is_refused(tmp_path: Path) -> None:
     image, sidecar = example(texels=texels).write(tmp_path, "name")
     replace(image, sidecar, "texels", encode_png(np.zeros((5, 3, 4), np.uint8)))
     with refused(image, "shape", (5, 3, 4), "(3, 5, 4)"):
+        Map.read(sidecar)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("../other.bin", "/etc/passwd", "a/../name.numbers.bin", "./name.numbers.bin", "..", ""),
+        *("C:\\x.bin", "..\\other.bin", "https://example.org/x.bin", "a\0.bin", "name.json"),
+    ],
+)
+def test_a_file_elsewhere_is_refused(tmp_path: Path, name: str) -> None:
+    sidecar = spoil(tmp_path / "maps", lambda s: s["arrays"]["numbers"].update(file=name))
+    whole = (tmp_path / "maps" / "name.numbers.bin").read_bytes()
+    (tmp_path / "other.bin").write_bytes(whole)
+    with refused(sidecar, "arrays.numbers.file", name, "name without a folder"):
+        Map.read(sidecar)
+
+
+@pytest.mark.parametrize("field", ["arrays", "constants"])
+def test_names_that_would_lead_elsewhere_are_refused(tmp_path: Path, field: str) -> None:
+    """`write_pictures` names files by them."""
+
+    def change(contents: dict[str, Any]) -> None:
+        entries = contents[field]
+        entries["../x"] = entries.pop(next(iter(entries)))
+
+    sidecar = spoil(tmp_path, change)
+    with pytest.raises(InputError, match=r"\^\[A-Za-z\]"):
+        Map.read(sidecar)
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        ('"one": 1.0', "NaN"),
+        ('"one": 1.0', "1e999"),
+        ('"one": 1.0', '"1"'),
+        ('"one": 1.0', "[1.0, -Infinity]"),
+        ('"relative_rms": 0.5', "NaN"),
+        ('"last": 1.0', "Infinity"),
+    ],
+)
+def test_numbers_that_are_none_are_refused(tmp_path: Path, place: str, value: str) -> None:
+    *_, sidecar = example(numbers=table()).write(tmp_path, "name")
+    name, _ = place.split(":")
+    sidecar.write_text(sidecar.read_text().replace(place, f"{name}: {value}"))
+    with pytest.raises(InputError, match=name.strip('"')) as caught:
+        Map.read(sidecar)
+    assert caught.value.file == str(sidecar)
+
+
+def test_a_recipe_with_nan_is_refused(tmp_path: Path) -> None:
+    sidecar = spoil(tmp_path, lambda s: s["recipe"].update(period=float("nan")))
+    with pytest.raises(InputError, match="JSON") as caught:
+        Map.read(sidecar)
+    assert caught.value.field == "recipe"
+
+
+def test_sizes_whose_product_overflows_are_refused(tmp_path: Path) -> None:
+    """2³² · 2³² · 4 is 0 in 64 bits, which is the size of an empty file."""
+    *_, sidecar = example(numbers=table()).write(tmp_path, "name")
+    contents = json.loads(sidecar.read_text())
+    spec = contents["arrays"]["numbers"]
+    spec["shape"] = [2**32, 2**32, 4]
+    for a in spec["axes"]:
+        a["size"] = 2**32
+    sidecar.write_text(json.dumps(contents))
+    replace(tmp_path / "name.numbers.bin", sidecar, "numbers", b"")
+    with pytest.raises(InputError, match="268435456 bytes at most"):
+        Map.read(sidecar)
+
+
+def test_a_sidecar_that_is_too_large_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "name.json"
+    file.write_bytes(b"[" * (MAX_SIDECAR_BYTES + 1))
+    with refused(file, "size", MAX_SIDECAR_BYTES + 1, f"{MAX_SIDECAR_BYTES} bytes at most"):
+        Map.read(file)
+    large = example(numbers=table())
+    large.recipe = {"text": "x" * MAX_SIDECAR_BYTES}
+    with pytest.raises(InputError, match="bytes at most"):
+        large.write(tmp_path / "new", "name")
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_sidecar_of_many_failures_is_refused_at_once(tmp_path: Path) -> None:
+    """Written out they took gigabytes."""
+    sidecar = spoil(tmp_path, lambda s: s.update({f"x{i}": 0 for i in range(20_000)}))
+    with refused(sidecar, "contents", "20000 wrong fields", "1000 at most"):
+        Map.read(sidecar)
+    sidecar = spoil(tmp_path, lambda s: s["arrays"]["numbers"].update(axes=[{}] * 50_000))
+    with pytest.raises(InputError) as caught:
+        Map.read(sidecar)
+    assert caught.value.field == "arrays.numbers.axes.0.name"
+
+
+def test_a_name_that_could_not_be_read_is_not_written(tmp_path: Path) -> None:
+    name = "a:b.numbers.bin"
+    with refused(tmp_path / "a:b.json", "file", name, "name without a folder"):
+        example(numbers=table()).write(tmp_path, "a:b")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pipes_are_refused_and_links_are_followed(tmp_path: Path) -> None:
+    binary, sidecar = example(numbers=table()).write(tmp_path / "maps", "name")
+    binary.rename(tmp_path / "elsewhere")
+    binary.symlink_to(tmp_path / "elsewhere")
+    assert Map.read(sidecar).tables["numbers"].values.shape == (2, 3, 4)
+    binary.unlink()
+    os.mkfifo(binary)
+    with refused(binary, "contents", "no regular file", "a readable file"):
+        Map.read(sidecar)
+
+
+def header(width: int, height: int, bits: int, rows: bytes) -> bytes:
+    """An RGBA PNG with a header that need not fit its rows."""
+    ihdr = struct.pack(">IIBBBBB", width, height, bits, 6, 0, 0, 0)
+    chunks = ((b"IHDR", ihdr), (b"IDAT", zlib.compress(rows)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in chunks
+    )
+
+
+@pytest.mark.parametrize(
+    ("size", "bits", "field"),
+    [((8192, 8192), 8, "shape"), ((60_000, 60_000), 8, "contents"), ((5, 3), 16, "bits")],
+)
+def test_a_picture_is_refused_by_its_header(
+    tmp_path: Path, size: tuple[int, int], bits: int, field: str
+) -> None:
+    """The rows are those of the right size: an error about them would be found too late."""
+    image, sidecar = example(texels=picture(np.full((3, 5, 4), [0, 0, 0, 10.0]))).write(
+        tmp_path, "name"
+    )
+    replace(image, sidecar, "texels", header(*size, bits, bytes(3 * (1 + 5 * 4 * bits // 8))))
+    with pytest.raises(InputError) as caught:
+        Map.read(sidecar)
+    assert (caught.value.file, caught.value.field) == (str(image), field)
+
+
+def test_a_picture_of_too_few_bytes_for_its_size_is_refused(tmp_path: Path) -> None:
+    image, sidecar = example(texels=picture(np.full((3, 5, 4), [0, 0, 0, 10.0]))).write(
+        tmp_path, "name"
+    )
+    data = header(8192, 8192, 8, bytes(100))
+    replace(image, sidecar, "texels", data)
+    contents = json.loads(sidecar.read_text())
+    spec = contents["arrays"]["texels"]
+    spec["shape"] = [8192, 8192, 4]
+    for a in spec["axes"]:
+        a["size"] = 8192
+    sidecar.write_text(json.dumps(contents))
+    with refused(image, "size", len(data), "bytes enough for its texels"):
         Map.read(sidecar)

@@ -8,6 +8,7 @@ import pytest
 from refusals import refused
 
 from precompute.bake import bake
+from precompute.errors import InputError
 from precompute.recipes import read_grating_recipe, read_recipe
 
 STARS = {"kind": "foil", "design": "stars"}
@@ -121,6 +122,14 @@ def test_unreadable_recipes_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "none.json"
     problem = f"[Errno 2] No such file or directory: '{file}'"
     with refused(file, "contents", problem, "a readable file"):
+        read_recipe(file)
+    for text in ("[" * 100_000, '{"kind": "lobes", "illuminant": "a\\ud800.csv"}'):
+        file.write_text(text)
+        with pytest.raises(InputError) as caught:
+            read_recipe(file)
+        assert (caught.value.file, caught.value.field) == (str(file), "contents")
+    file.write_text('{"kind": "lobes", "illuminant": "a\\u0000.csv"}')
+    with refused(file, "contents", "a NUL character", "a readable file"):
         read_recipe(file)
     file.write_text("{'kind': 'metals'}")
     problem = "Expecting property name enclosed in double quotes: line 1 column 2 (char 1)"

@@ -1,6 +1,7 @@
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { DiffractionError } from '../../web/errors'
 import { arrayOf, expectKind, loadMap, valuesOf } from '../../web/maps/load'
+import { MAX_SIDECAR_BYTES } from '../../web/maps/sidecar'
 import { imageTexture } from '../../web/maps/image-texture'
 import {
   fakeFoil,
@@ -8,6 +9,7 @@ import {
   filesOf,
   halves,
   png,
+  pngOf,
   serveFiles,
   sha256,
   type FakeMap,
@@ -16,6 +18,8 @@ import {
 afterEach(() => {
   vi.unstubAllGlobals()
 })
+
+type Json = Record<string, unknown>
 
 async function errorOf(map: FakeMap): Promise<DiffractionError> {
   serveFiles(filesOf({ 'maps/x': map }))
@@ -79,6 +83,15 @@ describe('a sidecar', () => {
     ['arrays', []],
     ['arrays.efficiency', undefined],
     ['arrays.efficiency.file', '../secret.bin'],
+    ['arrays.efficiency.file', '/secret.bin'],
+    ['arrays.efficiency.file', '..\\secret.bin'],
+    ['arrays.efficiency.file', 'https://example.org/x.bin'],
+    ['arrays.efficiency.file', 'C:x.bin'],
+    ['arrays.efficiency.file', '..'],
+    ['arrays.efficiency.file', 'x.json'],
+    ['arrays.efficiency.file', 'a\0.bin'],
+    ['arrays.efficiency.file', '\ud800.bin'],
+    ['arrays.efficiency.dtype', 'uint8'],
     ['arrays.efficiency.dtype', 'float64'],
     ['arrays.efficiency.shape', [3]],
     ['arrays.efficiency.sha256', 'abc'],
@@ -98,6 +111,8 @@ describe('a sidecar', () => {
   it.each([
     ['arrays.efficiency.shape', [3, 0, 1], 'arrays.efficiency.shape[1]'],
     ['arrays.efficiency.shape', [3, 8, 2], 'arrays.efficiency.channels'],
+    ['arrays.efficiency.shape', [2 ** 32, 2 ** 32, 1], 'arrays.efficiency.shape'],
+    ['arrays.efficiency.shape', [3, 1e308, 1], 'arrays.efficiency.shape'],
     ['arrays.efficiency.shape', [3, 9, 1], 'arrays.efficiency.axes[1].size'],
   ])('with %s = %j is refused at %s', async (path, value, field) => {
     expect((await errorOf(profileWith(path, value))).field).toBe(field)
@@ -137,9 +152,46 @@ describe('a sidecar', () => {
     expect((await errorOf(map)).field).toBe(`arrays.normal.${field}`)
   })
 
-  it('that is not JSON is refused', async () => {
-    serveFiles({ 'maps/x.json': '{' })
+  it.each([
+    ['not JSON', '{'],
+    ['behind a byte-order mark', '\ufeff{}'],
+    ['not UTF-8', Uint8Array.of(0x7b, 0x22, 0xff, 0x22, 0x3a, 0x31, 0x7d)],
+  ])('that is %s is refused', async (_case, contents) => {
+    serveFiles({ 'maps/x.json': contents })
     await expect(loadMap('maps/x')).rejects.toMatchObject({ file: 'maps/x.json', expected: 'JSON' })
+  })
+
+  it('nested too deep to be written into a message is refused all the same', async () => {
+    const deep = `{"format": ${'['.repeat(100_000)}${']'.repeat(100_000)}}`
+    serveFiles({ 'maps/x.json': deep })
+    await expect(loadMap('maps/x')).rejects.toThrow('maps/x.json: format is object')
+  })
+
+  it('that is too large is refused', async () => {
+    serveFiles({ 'maps/x.json': ' '.repeat(MAX_SIDECAR_BYTES + 1) })
+    await expect(loadMap('maps/x')).rejects.toMatchObject({ file: 'maps/x.json', field: 'bytes' })
+  })
+
+  it.each(['arrays', 'constants'])('with __proto__ among its %s is refused', async (field) => {
+    const map = structuredClone(fakeProfile())
+    const value = field === 'arrays' ? (map.sidecar.arrays as Json).efficiency : 1
+    const descriptor = { value, enumerable: true }
+    Object.defineProperty(map.sidecar[field], '__proto__', descriptor)
+    expect((await errorOf(map)).field).toBe(`${field}.__proto__`)
+  })
+
+  it('with a file name that an address would read otherwise asks for that name', async () => {
+    const map = structuredClone(fakeProfile())
+    const { efficiency } = map.sidecar.arrays as Record<string, Json>
+    efficiency!.file = '%2e%2e?#.bin'
+    expect((await errorOf(map)).file).toBe('maps/%252e%252e%3F%23.bin')
+  })
+
+  it('whose decoded values single precision cannot hold is refused', async () => {
+    const map = structuredClone(fakeFoil())
+    const { grating } = map.sidecar.arrays as Record<string, { decode: number[][] }>
+    grating!.decode[2] = [1, 1e39]
+    expect((await errorOf(map)).field).toBe('arrays.grating.decode[2]')
   })
 
   it('that is missing is named', async () => {
@@ -170,6 +222,34 @@ describe('a binary', () => {
     expect(error.message).toContain('truncated')
   })
 
+  it('that goes on for ever is refused as soon as it is too long', async () => {
+    const endless = new ReadableStream({
+      pull: (controller) => {
+        controller.enqueue(new Uint8Array(1000))
+      },
+    })
+    const sidecar = JSON.stringify(fakeProfile().sidecar)
+    vi.stubGlobal('fetch', (url: string) =>
+      Promise.resolve(new Response(url.endsWith('.json') ? sidecar : endless)),
+    )
+    await expect(loadMap('maps/x')).rejects.toMatchObject({
+      file: 'maps/profile.efficiency.bin',
+      value: 'more than 48',
+    })
+  })
+
+  it('whose transfer breaks off is named', async () => {
+    const broken = new ReadableStream({
+      start: (controller) => {
+        controller.error(new TypeError('network error'))
+      },
+    })
+    vi.stubGlobal('fetch', () => Promise.resolve(new Response(broken)))
+    const error: unknown = await loadMap('maps/x').catch((cause: unknown) => cause)
+    expect(error).toBeInstanceOf(DiffractionError)
+    expect(error).toMatchObject({ file: 'maps/x.json', field: 'file' })
+  })
+
   it('of another bake is refused by its checksum', async () => {
     const error = await errorOf(spoil(halves(Array.from({ length: 24 }, () => 0.75)), false))
     expect(error.field).toBe('SHA-256')
@@ -192,11 +272,15 @@ describe('an image', () => {
     return map
   }
   const pixels = new Uint8Array(16)
+  const HEADER = Uint8Array.of(0, 0, 0, 2, 0, 0, 0, 2, 8, 6, 0, 0, 0)
 
   it.each([
     ['three channels', png(2, 2, pixels, { 9: 2 }), 'IHDR colour type'],
     ['16 bits', png(2, 2, pixels, { 8: 16 }), 'IHDR bit depth'],
     ['another size', png(1, 2, pixels), 'size (rows, columns)'],
+    ['a size far above its rows', png(2, 2, pixels, { 0: 255, 4: 255 }), 'size (rows, columns)'],
+    ['more rows than its size', pngOf(HEADER, new Uint8Array(2 ** 24)), 'IDAT bytes'],
+    ['fewer rows than its size', pngOf(HEADER, new Uint8Array(9)), 'IDAT bytes'],
     ['no PNG inside', new Uint8Array(64), 'signature'],
     ['its end missing', png(2, 2, pixels).subarray(0, 50), 'bytes'],
   ])('with %s is refused', async (_case, bytes, field) => {

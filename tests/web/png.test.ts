@@ -45,6 +45,6 @@ it.each([0, 1, 2, 3, 4])('undoes row filter %i, and all of them mixed', async (f
   })
   for (const filterOf of [() => filter, (row: number) => (row + filter) % 5]) {
     const bytes = pngOf(headerOf(), filterRows(pixels, filterOf))
-    expect((await decodePng('x.png', bytes)).pixels).toEqual(pixels)
+    expect(await decodePng('x.png', bytes, [HEIGHT, WIDTH, 4])).toEqual(pixels)
   }
 })

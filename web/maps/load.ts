@@ -1,8 +1,10 @@
 import { DataUtils } from 'three'
 import { DiffractionError } from '../errors.ts'
 import { decodePng } from './png.ts'
+import { readAtMost } from './streams.ts'
 import {
-  BYTES_PER_ELEMENT,
+  bytesOf,
+  MAX_SIDECAR_BYTES,
   readSidecar,
   type ArraySpec,
   type MapKind,
@@ -33,7 +35,8 @@ export async function loadMap(url: string): Promise<LoadedMap> {
   const arrays: Record<string, MapArray> = {}
   await Promise.all(
     Object.entries(sidecar.arrays).map(async ([name, spec]) => {
-      arrays[name] = await loadArray(folder + spec.file, spec)
+      // Encoded, for a name is no address: % ? # and dots mean themselves.
+      arrays[name] = await loadArray(folder + encodeURIComponent(spec.file), spec)
     }),
   )
   return { url, sidecar, arrays, verified: canDigest() }
@@ -112,52 +115,32 @@ export function valuesOf({ spec, data }: MapArray): Float32Array {
 }
 
 async function loadArray(file: string, spec: ArraySpec): Promise<MapArray> {
-  const bytes = await fetchBytes(file)
+  const expected = bytesOf(spec)
+  const isImage = spec.dtype === 'uint8'
+  // Deflate stores what it cannot compress; twice as much is no picture of that size.
+  const bytes = await fetchBytes(file, isImage ? 2 * expected + 2 ** 16 : expected)
   // Lengths first: "truncated" says more than a checksum that differs.
-  const data = spec.file.endsWith('.png')
-    ? await imageData(file, bytes, spec)
-    : binaryData(file, bytes, spec)
+  if (!isImage) expectLength(file, bytes, spec, expected)
+  const data = isImage ? await decodePng(file, bytes, spec.shape) : typedArray(bytes, spec)
   if (canDigest()) await checkDigest(file, bytes, spec.sha256)
   checkFinite(file, data)
   return { spec, data }
 }
 
-async function imageData(file: string, bytes: Uint8Array, spec: ArraySpec): Promise<Uint8Array> {
-  const { width, height, pixels } = await decodePng(file, bytes)
-  if (height === spec.shape[0] && width === spec.shape[1]) return pixels
-  throw new DiffractionError({
-    file,
-    field: 'size (rows, columns)',
-    value: [height, width],
-    expected: `${spec.shape.slice(0, 2).join(' × ')}, as in the sidecar`,
-  })
-}
-
-function binaryData(file: string, bytes: Uint8Array, spec: ArraySpec): MapArray['data'] {
-  const length = spec.shape.reduce((product, size) => product * size, 1)
-  const expected = length * BYTES_PER_ELEMENT[spec.dtype]
-  if (bytes.length === expected) return typedArray(bytes, spec)
+function expectLength(file: string, bytes: Uint8Array, spec: ArraySpec, expected: number): void {
+  if (bytes.length === expected) return
   throw new DiffractionError({
     file,
     field: 'bytes',
     value: bytes.length,
-    expected: `${expected}, for ${spec.shape.join(' × ')} of ${spec.dtype}${
-      bytes.length < expected ? ' (the file is truncated)' : ''
-    }`,
+    expected: `${expected}, for ${spec.shape.join(' × ')} of ${spec.dtype} (the file is truncated)`,
   })
 }
 
 /** Little-endian bytes as numbers; every platform with WebGL is little-endian itself. */
 function typedArray(bytes: Uint8Array, spec: ArraySpec): MapArray['data'] {
   const buffer = bytes.buffer as ArrayBuffer
-  switch (spec.dtype) {
-    case 'float16':
-      return new Uint16Array(buffer)
-    case 'float32':
-      return new Float32Array(buffer)
-    case 'uint8':
-      return bytes
-  }
+  return spec.dtype === 'float16' ? new Uint16Array(buffer) : new Float32Array(buffer)
 }
 
 function checkFinite(file: string, data: MapArray['data']): void {
@@ -194,9 +177,11 @@ async function checkDigest(file: string, bytes: Uint8Array, expected: string): P
 }
 
 async function fetchJson(file: string): Promise<unknown> {
-  const bytes = await fetchBytes(file)
+  const bytes = await fetchBytes(file, MAX_SIDECAR_BYTES)
   try {
-    return JSON.parse(new TextDecoder().decode(bytes)) as unknown
+    return JSON.parse(
+      new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(bytes),
+    ) as unknown
   } catch (cause) {
     throw new DiffractionError(
       { file, field: 'document', value: String(cause), expected: 'JSON' },
@@ -205,10 +190,13 @@ async function fetchJson(file: string): Promise<unknown> {
   }
 }
 
-async function fetchBytes(file: string): Promise<Uint8Array> {
+/** A file of so many bytes at most; of a longer one no more are read. */
+async function fetchBytes(file: string, most: number): Promise<Uint8Array> {
   let response: Response
+  let bytes: Uint8Array | undefined
   try {
     response = await fetch(file)
+    if (response.ok) bytes = await readAtMost(response.body, most)
   } catch (cause) {
     throw new DiffractionError(
       { file, field: 'file', value: String(cause), expected: 'a file that can be fetched' },
@@ -222,5 +210,12 @@ async function fetchBytes(file: string): Promise<Uint8Array> {
       value: `HTTP ${response.status}`,
       expected: 'a file that is there',
     })
-  return new Uint8Array(await response.arrayBuffer())
+  if (bytes === undefined)
+    throw new DiffractionError({
+      file,
+      field: 'bytes',
+      value: `more than ${most}`,
+      expected: `${most} at most`,
+    })
+  return bytes
 }

@@ -1,23 +1,24 @@
 import { DiffractionError } from '../errors.ts'
+import { readAtMost } from './streams.ts'
 
 const SIGNATURE = [0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]
 const CHANNELS = 4
 
-/** Pixels of an image file: 4 bytes each, rows from top to bottom. */
-export interface PngImage {
-  width: number
-  height: number
-  pixels: Uint8Array
-}
-
 /**
- * Decodes a PNG of 8-bit RGBA, the one kind that holds a map, to the bytes that were written.
+ * Decodes a PNG of 8-bit RGBA, the one kind that holds a map, to the bytes that were written: 4 a pixel, rows
+ * from top to bottom.
  *
  * A canvas would multiply colour by alpha and a browser may apply a colour profile; to a map, where the
  * channels are not colours and alpha may be zero over valid data, both are damage. Hence no canvas: the
  * browser inflates, and the row filters (ISO/IEC 15948, section 9) are undone here.
+ *
+ * @param shape - rows and columns that it must have; nothing is inflated beyond them
  */
-export async function decodePng(file: string, bytes: Uint8Array): Promise<PngImage> {
+export async function decodePng(
+  file: string,
+  bytes: Uint8Array,
+  shape: readonly number[],
+): Promise<Uint8Array> {
   const refuse = (field: string, value: unknown, expected: string, cause?: unknown): never => {
     throw new DiffractionError({ file, field, value, expected }, { cause })
   }
@@ -30,19 +31,25 @@ export async function decodePng(file: string, bytes: Uint8Array): Promise<PngIma
   const view = new DataView(header.buffer, header.byteOffset, header.byteLength)
   const width = view.getUint32(0)
   const height = view.getUint32(4)
-  if (width === 0 || height === 0) refuse('IHDR size', [width, height], 'at least one pixel')
   if (view.getUint8(8) !== 8) refuse('IHDR bit depth', view.getUint8(8), '8')
   if (view.getUint8(9) !== 6) refuse('IHDR colour type', view.getUint8(9), '6 (RGBA)')
   if (view.getUint8(12) !== 0) refuse('IHDR interlace', view.getUint8(12), '0 (none)')
 
+  if (height !== shape[0] || width !== shape[1])
+    refuse(
+      'size (rows, columns)',
+      [height, width],
+      `${shape.slice(0, 2).join(' × ')}, as in the sidecar`,
+    )
+
   const deflated = chunks.filter(({ type }) => type === 'IDAT').map(({ data }) => data)
-  const filtered = await inflate(deflated).catch((cause: unknown) =>
+  const expectedLength = height * (1 + width * CHANNELS)
+  const filtered = await inflate(deflated, expectedLength).catch((cause: unknown) =>
     refuse('IDAT', 'unreadable', 'complete zlib data', cause),
   )
-  const expectedLength = height * (1 + width * CHANNELS)
-  if (filtered.length !== expectedLength)
-    refuse('IDAT bytes', filtered.length, `${expectedLength} after inflation`)
-  return { width, height, pixels: unfilter(file, filtered, width, height) }
+  if (filtered?.length !== expectedLength)
+    return refuse('IDAT bytes', filtered?.length ?? 'more', `${expectedLength} after inflation`)
+  return unfilter(file, filtered, width, height)
 }
 
 function readChunks(file: string, bytes: Uint8Array): { type: string; data: Uint8Array }[] {
@@ -67,11 +74,11 @@ function readChunks(file: string, bytes: Uint8Array): { type: string; data: Uint
   })
 }
 
-async function inflate(parts: Uint8Array[]): Promise<Uint8Array> {
+function inflate(parts: Uint8Array[], most: number): Promise<Uint8Array | undefined> {
   const stream = new Blob(parts as BlobPart[])
     .stream()
     .pipeThrough(new DecompressionStream('deflate'))
-  return new Uint8Array(await new Response(stream).arrayBuffer())
+  return readAtMost(stream, most)
 }
 
 function unfilter(file: string, filtered: Uint8Array, width: number, height: number): Uint8Array {

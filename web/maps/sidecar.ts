@@ -15,10 +15,15 @@ export const MAP_KINDS = [
 ] as const
 export type MapKind = (typeof MAP_KINDS)[number]
 
+/** Shipped sidecars have 16 kB. */
+export const MAX_SIDECAR_BYTES = 2 ** 18
+/** 8192 × 8192 texels of 8-bit RGBA: larger textures cannot be relied upon. */
+const MAX_ARRAY_BYTES = 2 ** 28
+
 export const DTYPES = ['float16', 'float32', 'uint8'] as const
 export type Dtype = (typeof DTYPES)[number]
 
-export const BYTES_PER_ELEMENT: Record<Dtype, number> = { float16: 2, float32: 4, uint8: 1 }
+const BYTES_PER_ELEMENT: Record<Dtype, number> = { float16: 2, float32: 4, uint8: 1 }
 
 /** One binary of a map: slowest axis first, channels last. */
 export interface ArraySpec {
@@ -48,6 +53,11 @@ export interface Sidecar {
   recipe: Record<string, unknown>
 }
 
+/** Size of an array's numbers, before any compression. */
+export function bytesOf({ dtype, shape }: Pick<ArraySpec, 'dtype' | 'shape'>): number {
+  return shape.reduce((product, size) => product * size, BYTES_PER_ELEMENT[dtype])
+}
+
 /** Checks a parsed sidecar field by field; `file` goes into the error. */
 export function readSidecar(file: string, json: unknown): Sidecar {
   const root = new JsonReader(file, '', json)
@@ -58,8 +68,10 @@ export function readSidecar(file: string, json: unknown): Sidecar {
 
   const arrays: Record<string, ArraySpec> = {}
   const arraysField = root.field('arrays')
-  for (const name of Object.keys(arraysField.object()))
+  for (const name of Object.keys(arraysField.object())) {
+    expectName(arraysField, name)
     arrays[name] = readArray(arraysField.field(name))
+  }
 
   const constantsField = root.field('constants')
   const constants = readConstants(constantsField)
@@ -77,21 +89,34 @@ export function readSidecar(file: string, json: unknown): Sidecar {
   }
 }
 
+/** Names become keys of objects, where `__proto__` would be none. */
+function expectName(field: JsonReader, name: string): void {
+  if (!/^[A-Za-z][A-Za-z0-9_]*$/.test(name))
+    throw field.field(name).refuse('a name of letters, digits and _')
+}
+
 function readArray(field: JsonReader): ArraySpec {
   const fileField = field.field('file')
   const file = fileField.string()
-  // A sidecar names its neighbours, nothing above or elsewhere.
-  if (file.includes('/') || file.includes('\\') || file.includes(':'))
-    throw fileField.refuse('a file name without a folder')
+  // A sidecar names its neighbours, nothing above or elsewhere; lone surrogates are in no address.
+  if (!/^[^/\\:\p{Cc}\p{Cs}]+\.(bin|png)$/u.test(file))
+    throw fileField.refuse("a .bin's or .png's name without a folder")
 
   const dtype = field.field('dtype').oneOf(DTYPES)
   const isImage = file.endsWith('.png')
-  if (isImage && dtype !== 'uint8') throw field.field('dtype').refuse('uint8 for a .png')
+  if (isImage !== (dtype === 'uint8'))
+    throw field
+      .field('dtype')
+      .refuse(isImage ? 'uint8 for a .png' : 'float16 or float32 for a .bin')
 
   const shapeField = field.field('shape')
   const shape = shapeField.list().map((size) => size.count())
   if (shape.length < 2 || shape.length > 4)
     throw shapeField.refuse('2 to 4 sizes, the number of channels last')
+  if (isImage && (shape.length !== 3 || shape[2] !== 4))
+    throw shapeField.refuse('rows, columns and 4 channels for a .png')
+  if (bytesOf({ dtype, shape }) > MAX_ARRAY_BYTES)
+    throw shapeField.refuse(`an array of ${MAX_ARRAY_BYTES} bytes at most`)
 
   const channelsField = field.field('channels')
   const channels = channelsField.list().map((channel) => channel.string())
@@ -144,6 +169,10 @@ function readDecode(field: JsonReader, channels: number): [number, number][] {
     const [offset, scale, ...rest] = pair.list()
     if (offset === undefined || scale === undefined || rest.length > 0)
       throw pair.refuse('a pair of offset and scale')
+    const ends = [offset.number(), offset.number() + scale.number()]
+    // Decoded to single precision.
+    if (!ends.every((end) => Number.isFinite(Math.fround(end))))
+      throw pair.refuse('values below 3.4e38')
     return [offset.number(), scale.number()]
   })
 }
@@ -151,6 +180,7 @@ function readDecode(field: JsonReader, channels: number): [number, number][] {
 function readConstants(field: JsonReader): Record<string, number[]> {
   const constants: Record<string, number[]> = {}
   for (const [name, value] of Object.entries(field.object())) {
+    expectName(field, name)
     const entry = field.field(name)
     constants[name] = Array.isArray(value) ? entry.list().map((v) => v.number()) : [entry.number()]
   }
