@@ -57,6 +57,8 @@ def _without_kinds(path: tuple[int | str, ...], contents: object) -> list[int | 
         if kinds and part == kinds[0]:
             kinds = kinds[1:]
             continue
+        if isinstance(here, int | float):
+            continue  # it stands for a pair, or for a kind, which the file does not write
         result.append(part)
         here = _child(here, part)
         kinds = _kinds(here)
@@ -64,8 +66,6 @@ def _without_kinds(path: tuple[int | str, ...], contents: object) -> list[int | 
 
 
 def _kinds(contents: object) -> list[object]:
-    if isinstance(contents, int | float):
-        return ["constant"]  # a number alone stands for one of this kind
     if not isinstance(contents, dict):
         return [contents]  # a name alone stands for its kind
     return [contents[field] for field in ("kind", "design") if field in contents]
