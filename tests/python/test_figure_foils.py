@@ -368,7 +368,7 @@ RAMP = {"kind": "ramp", "to_mm": 3.0, "values": [0, 90]}
         ([DISC | {"radius_mm": 0.0}], "figures.0.radius_mm", 0.0, "greater than 0"),
         ([DISC | {"kind": "heart"}], "figures.0.kind", "heart", "'disc'"),
         ([DISC | {"inner_mm": 4.0}], "figures.0.inner_mm", 4.0, "below radius_mm, 4"),
-        ([DISC | {"period": -1.2}], "figures.0.period.value", -1.2, "greater than 0"),
+        ([DISC | {"period": -1.2}], "figures.0.period", -1.2, "greater than 0"),
         ([DISC | {"period": {"kind": "around"}}], "figures.0.period.kind", "around", "'ramp'"),
         ([DISC | {"orientation": "up"}], "figures.0.orientation", "up", ""),
         ([DISC | {"orientation": RAMP | {"by": 2}}], "figures.0.orientation.by", 2, "no such"),
