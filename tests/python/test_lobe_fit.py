@@ -118,7 +118,11 @@ def test_two_observations_either_side_of_a_lobe_tell_its_middle() -> None:
 
 
 def test_one_bright_observation_has_two_sides_and_a_dark_one_decides() -> None:
-    """Seen 3° off the middle, with a strength that is known, the lobe may lie on either side."""
+    """Seen 3° off the middle the lobe may lie on either side.
+
+    A weaker one nearer by shows the same, down to half the strength in the middle itself, so that
+    no more is told than the side, and how far off it is at the most.
+    """
     made, θ = model(), np.radians([60.0])
     bright = (57.0,)
     u, v = at_angles(*bright)
@@ -127,7 +131,10 @@ def test_one_bright_observation_has_two_sides_and_a_dark_one_decides() -> None:
         u, v = at_angles(*bright, dark)
         intensity = np.concatenate([alone, np.zeros_like(alone)], axis=1)
         fit = fit_strip(strip(u, v, intensity), made)
-        assert turn_deg(fit.orientation, np.radians([answer])) < 1.5
+        towards = np.degrees(fit.orientation[0]) - bright[0]
+        assert 0 < towards * np.sign(answer - bright[0]) < 4.5
+        level = np.exp(-((towards / 2.5) ** 2) / 2) * fit.strength[0]
+        assert level == pytest.approx(np.exp(-((3 / 2.5) ** 2) / 2), rel=0.15)
     # Without the dark one both are as good: what is shown of either is the same.
     u, v = at_angles(*bright)
     both = [shown(made, u, v, np.radians([a]), np.zeros(1), np.ones(1)) for a in (60.0, 54.0)]
