@@ -21,6 +21,9 @@ afterAll(async () => {
   await server.close()
 })
 
+/** For the slowest foil on a machine that does other things too, ms. */
+const SETTLED_MS = 120_000
+
 interface OpenedPage {
   page: Page
   /** What the page wrote as errors and warnings so far. */
@@ -30,6 +33,7 @@ interface OpenedPage {
 async function open(query = '', width = 480, height = 400): Promise<OpenedPage> {
   const page = await browser.newPage({ viewport: { width, height }, reducedMotion: 'reduce' })
   pages.push(page)
+  page.setDefaultTimeout(SETTLED_MS)
   const complaints: string[] = []
   page.on('console', (message) => {
     if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
@@ -191,6 +195,7 @@ describe('the demo', () => {
   it('says what the browser lacks', async () => {
     const page = await browser.newPage()
     pages.push(page)
+  page.setDefaultTimeout(SETTLED_MS)
     await page.addInitScript(() => {
       HTMLCanvasElement.prototype.getContext = () => null
     })
