@@ -195,7 +195,7 @@ describe('the demo', () => {
   it('says what the browser lacks', async () => {
     const page = await browser.newPage()
     pages.push(page)
-  page.setDefaultTimeout(SETTLED_MS)
+    page.setDefaultTimeout(SETTLED_MS)
     await page.addInitScript(() => {
       HTMLCanvasElement.prototype.getContext = () => null
     })
