@@ -7,6 +7,7 @@ formulas.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 
 import numpy as np
@@ -393,36 +394,50 @@ def _window_variance(grating: Grating, λ: Array) -> Array:
 
 
 def _lobe_sum(grating: Grating, wi: Array, wo: Array, λ: Array, angular_radius: float) -> Array:
-    """Σ_{m,m'} c_m c̄_m' exp(−π²σ²(m−m')²/a²) N((u, v) − ((m+m')/2·λ/a, 0); C)."""
+    """Σ_{m,n} c_m c̄_n κ_{m−n} √(N_m N_n), N_m = N((u, v) − (mλ/a, 0); C_m).
+
+    With one C, √(N_m N_n) is the Gaussian half-way between both orders, as far down as their
+    distance Δ = (m − n) λ/a takes it: exp(−Δ²(C⁻¹)_uu/8). Blurs take the light of every tilt and
+    of every point of the source by itself, so what interferes goes down with the window alone,
+
+        κ_{m−n} √(N_m N_n) = exp(−π²σ²(m−n)²/a²) N((u, v) − ((m+n)/2·λ/a, 0); C).
+
+    Where each order has a C of its own, κ has that of cosθ_o + cosθ_i, whatever the orders: as a
+    Gaussian in m − n it is positive definite, and the sum never negative.
+    """
     u, v, w = (wi + wo).T
     d = wi[:, :2]
     source = angular_radius**2 * np.stack([1 - d[:, 0] ** 2, 1 - d[:, 1] ** 2, -d[:, 0] * d[:, 1]])
 
-    limit = _last_order(grating, λ)
-    overlap = (np.pi * grating.coherence / grating.period) ** 2
-    apart = min(2 * limit, int(np.sqrt(EXPONENT_CUT / overlap)))
-    total = np.zeros(λ.shape)
-    for middle in range(-2 * limit, 2 * limit + 1):  # m + m', twice the lobe's middle
-        offset = middle / 2 * λ / grating.period
-        if grating.energy == "conserving":
-            w = wo[:, 2] + np.sqrt(np.maximum(_squared_cosine(wo, offset), 0))
+    def covariance(w: Array) -> tuple[Array, Array]:
+        """C_uu, C_vv, C_uv, shape (3, n), and det C."""
         blur = _window_variance(grating, λ) + (w * grating.roughness) ** 2
-        c_uu, c_vv, c_uv = source + blur * np.array([[1], [1], [0]])
-        determinant = c_uu * c_vv - c_uv**2
-        du = u - offset
+        c = source + blur * np.array([[1], [1], [0]])
+        return c, c[0] * c[1] - c[2] ** 2
+
+    limit = _last_order(grating, λ)
+    apart = int(np.sqrt(EXPONENT_CUT) * grating.period / (np.pi * grating.coherence))
+    (_, c_vv, _), determinant = covariance(w)
+    Δ = λ / grating.period
+    coherence = Δ**2 / 8 * (1 / _window_variance(grating, λ) - c_vv / determinant)
+    amplitudes: deque[Array] = deque(maxlen=apart + 1)  # c_m √N_m, the latest order first
+    total = np.zeros(λ.shape)
+    for order in range(-limit, limit + 1):
+        if grating.energy == "conserving":
+            w = wo[:, 2] + np.sqrt(np.maximum(_squared_cosine(wo, order * Δ), 0))
+        (c_uu, c_vv, c_uv), determinant = covariance(w)
+        du = u - order * Δ
         exponent = (c_vv * du**2 - 2 * c_uv * du * v + c_uu * v**2) / (2 * determinant)
         near = np.flatnonzero(exponent < EXPONENT_CUT)
-        if len(near) == 0:
-            continue
         gaussian = np.exp(-exponent[near]) / (2 * np.pi * np.sqrt(determinant[near]))
         φ = 2 * np.pi * w[near] * grating.height / λ[near]
-        for difference in range(middle % 2, apart + 1, 2):
-            m, n = (middle + difference) // 2, (middle - difference) // 2
-            c_m = grating.profile.amplitude(m, φ)
-            c_n = c_m if m == n else grating.profile.amplitude(n, φ)
-            pairs = 1 if m == n else 2
-            weight = pairs * np.exp(-overlap * difference**2)
-            total[near] += weight * np.real(c_m * np.conj(c_n)) * gaussian
+        amplitude = np.zeros(λ.shape, np.complex128)
+        amplitude[near] = grating.profile.amplitude(order, φ) * np.sqrt(gaussian)
+        amplitudes.appendleft(amplitude)
+        for difference, other in enumerate(amplitudes):
+            pairs = 1 if difference == 0 else 2
+            κ = pairs * np.exp(-coherence[near] * difference**2)
+            total[near] += κ * np.real(amplitude[near] * np.conj(other[near]))
     return total
 
 

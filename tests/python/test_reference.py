@@ -13,6 +13,7 @@ from precompute.profiles import (
 )
 from precompute.reference import (
     colour_brdf,
+    efficiency_above_horizon,
     environment_radiance,
     order_direction,
     order_efficiency,
@@ -114,6 +115,38 @@ def test_lobes_are_the_kirchhoff_integral(profile: Profile, coherence: float) ->
         expected = obliquity * kirchhoff_amplitude_squared(grating, u, v, w, λ)
         actual = spectral_brdf(grating, wi[None], wo[None], np.array([λ]))[0]
         assert actual == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda p: p.kind)
+def test_orders_that_interfere_have_each_its_own_depth_of_phase(profile: Profile) -> None:
+    """|Σ c_m(φ_m) √N_m|², with the energy that gives every order its own w."""
+    grating = Grating(period=1.0, height=2.0, profile=profile, metal=None, coherence=0.3)
+    wi, wo, λ = direction(30, 180), direction(10), 0.45
+    u, v, _ = wi + wo
+    deviation = λ / (np.sqrt(8) * np.pi * grating.coherence)
+    amplitude = 0j
+    for order in range(-6, 7):
+        lit = 1 - (order * λ - wo[0]) ** 2 - wo[1] ** 2
+        φ = 2 * np.pi * (wo[2] + np.sqrt(max(lit, 0))) * grating.height / λ
+        distance = (u - order * λ) ** 2 + v**2
+        lobe = np.exp(-distance / (4 * deviation**2)) / (np.sqrt(2 * np.pi) * deviation)
+        amplitude += profile.amplitude(order, φ) * lobe
+    n = efficiency_above_horizon(grating, wo, λ)
+    actual = spectral_brdf(grating, wi[None], wo[None], np.array([λ]))[0]
+    assert actual * n == pytest.approx(abs(amplitude) ** 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.05, 0.5])
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda p: p.kind)
+def test_where_orders_interfere_no_light_is_negative(profile: Profile, roughness: float) -> None:
+    grating = Grating(period=1.0, height=5.0, profile=profile, coherence=0.25, roughness=roughness)
+    x = np.linspace(-0.999, 0.999, 400)
+    wi = np.stack([x, 0 * x, np.sqrt(1 - x**2)], axis=-1)
+    for theta in (0, 40, 85):
+        wo = np.tile(direction(theta), (len(wi), 1))
+        f = spectral_brdf(grating, wi, wo, np.full(len(wi), 0.45), 0.02)
+        assert f.max() > 0
+        assert f.min() >= -1e-12 * f.max()
 
 
 def test_a_source_and_tilted_normals_widen_the_lobe_as_averages_over_them() -> None:
