@@ -48,7 +48,12 @@ const checks = [
   },
   { name: 'web types', needs: [ensureNodePackages], command: node('typescript/bin/tsc') },
   { name: 'build', needs: everything, command: [process.execPath, 'scripts/build.mjs'] },
-  { name: 'python tests', needs: everything, command: python('pytest') },
+  {
+    name: 'python tests',
+    needs: everything,
+    // A file's tests stay together: they share what its fixtures make.
+    command: python('pytest', '--numprocesses=logical', '--dist=loadfile'),
+  },
   { name: 'web tests', needs: everything, command: vitest('web') },
   { name: 'package tests', needs: everything, command: vitest('package') },
   { name: 'browser tests', needs: everything, command: vitest('browser') },
