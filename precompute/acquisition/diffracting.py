@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
 from precompute.acquisition.blocks import Run, in_threads
+from precompute.acquisition.foretold import misfits
 from precompute.acquisition.phase_circle import PhaseCircle, centred, modulations, phase_circle
 from precompute.acquisition.polarization_fit import (
     HarmonicFit,
@@ -54,12 +55,14 @@ class Diffracting:
         circle: The circle.
         mask: Which pixels diffract.
         noise: Standard deviation of a pixel's phase, rad: that of its amplitude over it.
+        misfits: Of each photograph, see `foretold.misfits`.
     """
 
     fit: HarmonicFit
     circle: PhaseCircle
     mask: Mask
     noise: Pixels
+    misfits: Array
 
 
 def diffracting(light: Pixels, polariser: Array, run: Run = in_threads) -> Diffracting:
@@ -80,6 +83,7 @@ def diffracting(light: Pixels, polariser: Array, run: Run = in_threads) -> Diffr
     # Over bare pixels too: what they add to the means moves all points alike, as the circle is.
     harmonics = Harmonics.of(polariser, photograph_means(some, known))
     fit = fitted(some, harmonics, run)
+    apart = misfits(some, harmonics, fit)
     judges = _bright(fit)
     circle = phase_circle(modulations(fit)[judges], _seen_noise(fit, polariser)[judges])
     fit = centred(fitted(light, harmonics, run), circle)
@@ -93,7 +97,7 @@ def diffracting(light: Pixels, polariser: Array, run: Run = in_threads) -> Diffr
     _check_any(mask)
     with np.errstate(divide="ignore", invalid="ignore"):
         noise = _noise(fit, circle, polariser) / fit.amplitude
-    return Diffracting(fit, circle, mask, np.asarray(noise, np.float32))
+    return Diffracting(fit, circle, mask, np.asarray(noise, np.float32), apart)
 
 
 def _check_any(mask: Mask) -> None:

@@ -38,6 +38,12 @@ PERIOD = 1.0
 SHARPEST = 1e-5
 """Uncertainty of orientations, rad, below which none is: that of single precision."""
 
+ODD, FOREIGN = 2.0, 3.0
+"""How far a photograph may be off what the others foretell, over how far these are themselves:
+beyond the first it is remarked on, beyond the second refused. Simulated ones are within 1.4; where
+noise is a thirtieth of the modulation an angle that is wrong by 13° makes 2.2, by 27° 4, a
+photograph upside down 6."""
+
 EDGE = 2
 """Texels along edges of what diffracts that may be partly bare, and as bright as that."""
 
@@ -114,8 +120,8 @@ def acquire_polarization(
 
     Raises:
         InputError: The capture or a photograph cannot be used: see `read_capture`,
-            `registered_light` and `diffracting`; its files are not as many as it says; or fewer
-            than three angles differ.
+            `registered_light` and `diffracting`; its files are not as many as it says; fewer
+            than three angles differ; or a photograph does not go with four or more others.
     """
     remarks: list[str] = []
 
@@ -133,6 +139,7 @@ def acquire_polarization(
         about = InputError(file, error.field, error.value, error.expected)
         first = np.nan_to_num(np.asarray(registered.light[0]))[..., None]
         raise PhotographError(about, Evidence.of(registered.names[0], first)) from error
+    _check_misfits(file.parent, registered, found.misfits, remark)
     if not found.circle.known:
         remark(
             "orientations are too few, or noise too much, to tell what all pixels have in common: "
@@ -211,6 +218,28 @@ def _check_angles(file: Path, capture: Capture, say: Callable[[str], None]) -> N
         say(f"photographs {which} and {group[-1]} are at one angle modulo 180° and count as one")
 
 
+def _check_misfits(
+    folder: Path, registered: RegisteredLight, misfits: Array, say: Callable[[str], None]
+) -> None:
+    """The photograph that goes least with the others, where it is off by much."""
+    worst = int(np.argmax(misfits))
+    name, misfit = registered.names[worst], float(misfits[worst])
+    if misfit > FOREIGN:
+        error = InputError(
+            folder / name,
+            f"photographs.{worst}",
+            f"light {misfit:.1f} times as far off what the others foretell as these are",
+            f"{FOREIGN:g} times at most, at {np.degrees(registered.polariser[worst]):g}°",
+        )
+        seen = np.nan_to_num(np.asarray(registered.light[worst]))[..., None]
+        raise PhotographError(error, Evidence.of(name, seen))
+    if misfit > ODD:
+        say(
+            f"{name} is {misfit:.1f} times as far off what the others foretell as these are: "
+            "its angle may be another"
+        )
+
+
 def _map(
     capture: Capture,
     found: Diffracting,
@@ -264,12 +293,14 @@ def _report(
                 shift_px=(float(move.shift[0]), float(move.shift[1])),
                 turn_deg=float(np.degrees(move.turn)),
                 quality=move.quality,
+                misfit=float(misfit),
                 clipped=clipped,
             )
-            for name, ψ, move, clipped in zip(
+            for name, ψ, move, misfit, clipped in zip(
                 registered.names,
                 registered.polariser,
                 registered.moves,
+                found.misfits,
                 registered.clipped,
                 strict=True,
             )

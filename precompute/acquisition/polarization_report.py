@@ -25,6 +25,8 @@ class PhotographLaid(_Part):
         shift_px: By how much it is off the first.
         turn_deg: By how much it is turned, clockwise as it is seen.
         quality: Correlation of its edges with the first's within the sample, once it is laid on it.
+        misfit: How far it is off what the others foretell, over how far these are; 0 of four and
+            fewer.
         clipped: Share of the sample.
     """
 
@@ -33,6 +35,7 @@ class PhotographLaid(_Part):
     shift_px: tuple[float, float]
     turn_deg: float
     quality: float
+    misfit: float
     clipped: Share
 
 

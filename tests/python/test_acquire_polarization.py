@@ -315,6 +315,16 @@ def test_clipped_pixels_are_unknown(capture: Path, tmp_path: Path) -> None:
     assert np.all(confidences(acquired.found)[inside] == 0)
 
 
+def test_an_angle_that_was_noted_wrong(capture: Path, tmp_path: Path) -> None:
+    def mistaken(fields: dict[str, Any], folder: Path) -> None:
+        fields["photographs"][3]["polariser_deg"] += 60
+
+    message = refusal(changed(capture, tmp_path, mistaken))
+    assert f"{NAMES[3]}: photographs.3 = 'light " in message
+    assert "what the others foretell" in message and "at 170°" in message
+    assert message.endswith(f"see {tmp_path}/refused.{NAMES[3]}.refused.png")
+
+
 # ---- On a cluster --------------------------------------------------------------------------------
 
 
