@@ -2,14 +2,14 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import {
   choiceForError,
-  CHOSEN_SETTINGS,
   MEASURED_ERRORS,
-  type ChosenSettings,
   type MeasuredErrors,
 } from '../../web/materials/error-choice'
 import {
+  CHOSEN_SETTINGS,
   DEFAULT_SETTINGS,
   SETTING_CHECKS,
+  type ChosenSettings,
   type DiffractionMaterialOptions,
 } from '../../web/materials/options'
 import { Grating } from '../../web/surfaces/grating'

@@ -12,7 +12,7 @@ import {
   type Texture,
   type WebGLRenderer,
 } from 'three'
-import { environmentBlurShader } from '../glsl/material-shaders.ts'
+import { environmentBlurShader } from '../glsl/rough-environment-shaders.ts'
 import type { EnvironmentMap } from './environment-map.ts'
 import { drawsHalfFloats, FullScreenPass, fullScreenMaterial, isOn } from './full-screen-pass.ts'
 import { gaussianTaps } from './gaussian-taps.ts'

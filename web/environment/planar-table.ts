@@ -15,7 +15,7 @@ import {
   type WebGLRenderTarget,
 } from 'three'
 import { floatLiteral } from '../glsl/float-literal.ts'
-import { planarBlurShader, planarEnvironmentShader } from '../glsl/material-shaders.ts'
+import { planarBlurShader, planarEnvironmentShader } from '../glsl/rough-environment-shaders.ts'
 import { FullScreenPass, fullScreenMaterial, isOn } from './full-screen-pass.ts'
 import { gaussianTaps } from './gaussian-taps.ts'
 

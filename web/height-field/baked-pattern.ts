@@ -1,16 +1,8 @@
-import {
-  DataArrayTexture,
-  DataTexture,
-  FloatType,
-  HalfFloatType,
-  LinearFilter,
-  RGBAFormat,
-  Vector2,
-} from 'three'
+import { DataArrayTexture, DataTexture, FloatType, HalfFloatType, RGBAFormat, Vector2 } from 'three'
 import { DiffractionError } from '../errors.ts'
 import { floatLiteral } from '../glsl/float-literal.ts'
 import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load.ts'
-import { sharedTexture, unfiltered } from '../maps/shared-texture.ts'
+import { filtered, sharedTexture, unfiltered } from '../maps/shared-texture.ts'
 import type { LightOptics, OpticsSettings } from '../surfaces/surface.ts'
 import type { Tiles } from './cut-window.ts'
 import type { Pattern } from './optics.ts'
@@ -97,9 +89,7 @@ function modesTexture(relief: LoadedMap): DataArrayTexture {
     const texture = new DataArrayTexture(data, width, height, layers)
     texture.format = RGBAFormat
     texture.type = HalfFloatType
-    texture.minFilter = texture.magFilter = LinearFilter
-    texture.needsUpdate = true
-    return texture
+    return filtered(texture)
   })
 }
 
@@ -108,10 +98,7 @@ function coherentTexture(relief: LoadedMap): DataTexture {
   return sharedTexture(relief, 'coherent', () => {
     const { spec, data } = arrayOf(relief, 'coherent')
     const [height, width] = spec.shape
-    const texture = new DataTexture(data, width, height, RGBAFormat, HalfFloatType)
-    texture.minFilter = texture.magFilter = LinearFilter
-    texture.needsUpdate = true
-    return texture
+    return filtered(new DataTexture(data, width, height, RGBAFormat, HalfFloatType))
   })
 }
 

@@ -7,9 +7,9 @@ export const W_STEPS = 33
 
 /**
  * Light is lit and seen at less than grazing angles where most of it is seen: samples are shared out by what lines take
- * on average over w from here to 2.
+ * on average over w from this step, 1, to 2.
  */
-const W_TYPICAL = 1
+const FIRST_TYPICAL = (W_STEPS - 1) / 2
 
 /** What one lookup of the environment stands for: lines of a relief's spectrum at some wavelengths. */
 export interface EnvironmentSample {
@@ -132,14 +132,9 @@ function pointsOf(
 
 function meanPower(power: CellPower, cell: number, wavelength: number): number {
   let sum = 0
-  let steps = 0
-  for (let i = 0; i < W_STEPS; i++) {
-    const w = wOfStep(i)
-    if (w < W_TYPICAL) continue
-    sum += power(cell, w / wavelength)
-    steps++
-  }
-  return sum / steps
+  for (let step = FIRST_TYPICAL; step < W_STEPS; step++)
+    sum += power(cell, wOfStep(step) / wavelength)
+  return sum / (W_STEPS - FIRST_TYPICAL)
 }
 
 function wOfStep(step: number): number {
@@ -187,7 +182,8 @@ function indexOfWidest(clusters: readonly Cluster[]): number | null {
 /** Cut across the longest axis, where half of the weight lies on either hand. */
 function halves({ points, weight, x, y, xx, yy, xy }: Cluster): [Point[], Point[]] {
   const angle = Math.atan2(2 * xy, xx - yy) / 2
-  const [cos, sin] = [Math.cos(angle), Math.sin(angle)]
+  const cos = Math.cos(angle)
+  const sin = Math.sin(angle)
   const along = (point: Point): number => (point.x - x) * cos + (point.y - y) * sin
   const sorted = points
     .map((point) => ({ point, at: along(point) }))

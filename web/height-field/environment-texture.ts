@@ -1,6 +1,6 @@
-import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat } from 'three'
+import { DataTexture, DataUtils, HalfFloatType, RGBAFormat } from 'three'
 import type { LoadedMap } from '../maps/load.ts'
-import { sharedTexture } from '../maps/shared-texture.ts'
+import { filtered, sharedTexture } from '../maps/shared-texture.ts'
 import { metalReflectance } from '../spectrum/metal-reflectance.ts'
 import { spectralNodes } from '../spectrum/spectral-nodes.ts'
 import type { Metal } from '../surfaces/surface.ts'
@@ -59,8 +59,5 @@ function samplesTexture(samples: readonly EnvironmentSample[]): DataTexture {
       put(row, width - 1, channel, value)
     })
   })
-  const texture = new DataTexture(texels, width, samples.length, RGBAFormat, HalfFloatType)
-  texture.minFilter = texture.magFilter = LinearFilter
-  texture.needsUpdate = true
-  return texture
+  return filtered(new DataTexture(texels, width, samples.length, RGBAFormat, HalfFloatType))
 }

@@ -78,7 +78,7 @@ export function heightFieldOptics(
       {
         feature: `at most ${lookups(environmentNodes)} lookups of the environment`,
         included: true,
-        why: `they stand for all lines at all wavelengths, the same in each frame of a refinement; environmentNodes is ${environmentNodes}`,
+        why: `of all lines at all wavelengths, alike in each frame; environmentNodes is ${environmentNodes}`,
       },
     ],
     underLights: pattern.underLights,

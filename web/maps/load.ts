@@ -1,6 +1,5 @@
 import { DataUtils } from 'three'
 import { DiffractionError } from '../errors.ts'
-import { decodePng } from './png.ts'
 import { readAtMost } from './streams.ts'
 import {
   bytesOf,
@@ -121,7 +120,7 @@ async function loadArray(file: string, spec: ArraySpec): Promise<MapArray> {
   const bytes = await fetchBytes(file, isImage ? 2 * expected + 2 ** 16 : expected)
   // Lengths first: "truncated" says more than a checksum that differs.
   if (!isImage) expectLength(file, bytes, spec, expected)
-  const data = isImage ? await decodePng(file, bytes, spec.shape) : typedArray(bytes, spec)
+  const data = isImage ? await decoded(file, bytes, spec) : typedArray(bytes, spec)
   if (canDigest()) await checkDigest(file, bytes, spec.sha256)
   checkFinite(file, data)
   return { spec, data }
@@ -135,6 +134,12 @@ function expectLength(file: string, bytes: Uint8Array, spec: ArraySpec, expected
     value: bytes.length,
     expected: `${expected}, for ${spec.shape.join(' × ')} of ${spec.dtype} (the file is truncated)`,
   })
+}
+
+/** The decoder is a chunk of its own: gratings have no images. */
+async function decoded(file: string, bytes: Uint8Array, spec: ArraySpec): Promise<Uint8Array> {
+  const { decodePng } = await import('./png.ts')
+  return decodePng(file, bytes, spec.shape)
 }
 
 /** Little-endian bytes as numbers; every platform with WebGL is little-endian itself. */

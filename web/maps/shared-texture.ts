@@ -1,4 +1,4 @@
-import { NearestFilter, type Texture } from 'three'
+import { LinearFilter, NearestFilter, type Texture } from 'three'
 import type { LoadedMap } from './load.ts'
 
 const made = new WeakMap<LoadedMap, Map<string, Texture>>()
@@ -14,7 +14,19 @@ export function sharedTexture<T extends Texture>(map: LoadedMap, name: string, m
 
 /** Texels as they are, without blending between them. */
 export function unfiltered<T extends Texture>(texture: T): T {
-  texture.minFilter = texture.magFilter = NearestFilter
+  return read(texture, NearestFilter)
+}
+
+/** Linear between texels. */
+export function filtered<T extends Texture>(texture: T): T {
+  return read(texture, LinearFilter)
+}
+
+function read<T extends Texture>(
+  texture: T,
+  filter: typeof NearestFilter | typeof LinearFilter,
+): T {
+  texture.minFilter = texture.magFilter = filter
   texture.needsUpdate = true
   return texture
 }

@@ -20,17 +20,15 @@ import {
   type Scene,
   type WebGLRenderer,
 } from 'three'
-import { BLURRED_LAYERS, BlurredEnvironment } from '../environment/blurred-environment.ts'
 import {
   checkEnvironment,
   environmentMap,
   type EnvironmentMap,
 } from '../environment/environment-map.ts'
-import { PlanarEnvironment } from '../environment/planar-environment.ts'
-import { PLANAR_TEXELS } from '../environment/planar-table.ts'
+import type { RoughEnvironment, RoughReasons } from '../environment/rough-environment.ts'
 import type { DiffractionError } from '../errors.ts'
-import { floatLiteral } from '../glsl/float-literal.ts'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders.ts'
+import { errorChoice, roughEnvironment } from '../lazy-code.ts'
 import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame.ts'
 import type {
   Efficiencies,
@@ -46,11 +44,11 @@ import type {
   Surface,
 } from '../surfaces/surface.ts'
 import { angularRadius, oneOf, positive, within } from '../validation.ts'
-import { CHOSEN_SETTINGS, choiceForError } from './error-choice.ts'
 import { describeFeatures } from './features.ts'
 import { assertLightLoops } from './light-order.ts'
 import { OpticsLoader } from './optics-loader.ts'
 import {
+  CHOSEN_SETTINGS,
   DEFAULT_SETTINGS,
   GAMUTS,
   SETTING_CHECKS,
@@ -114,8 +112,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   #lightOptics: LightOptics = { defines: {}, features: [] }
   #largestRadius = -1
   #environmentRepaired = 0
-  readonly #planar = new PlanarEnvironment()
-  readonly #blurred = new BlurredEnvironment()
+  /** Null until a rough surface has been drawn. */
+  #rough: RoughEnvironment | null = null
   #blursEnvironment = false
   #opticsVersion = 0
   #surface: Surface
@@ -383,8 +381,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       ],
       environmentFeatures: this.#environmentFeatures,
       environmentRepaired: this.#environmentRepaired,
-      planarWhy: this.#planar.why,
-      blurWhy: this.#blurWhy,
+      roughWhy: this.#rough?.why ?? this.#whyNotRough,
       diffraction: this.#diffraction,
       opticsState: this.#optics.state,
       opticsError: this.#optics.error,
@@ -409,15 +406,13 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#followLights(renderer, scene, camera)
     const environment = this.#followEnvironment(scene)
     this.#followTextures()
-    this.#followPlane(renderer, camera, geometry, object)
-    this.#followBlur(renderer, camera, environment)
+    this.#followRoughness(renderer, camera, geometry, object, environment)
     this.#setNumber('uOpacity', this.opacity)
   }
 
   override dispose(): void {
     super.dispose()
-    this.#planar.dispose()
-    this.#blurred.dispose()
+    this.#rough?.dispose()
     for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
     for (const { value } of Object.values(this.#surface.uniforms)) disposeTexture(value)
   }
@@ -534,8 +529,13 @@ export class DiffractionMaterial extends ShaderMaterial {
     const defaults = { ...DEFAULT_SETTINGS, method: this.#surface.methods[0]! }
     const free = CHOSEN_SETTINGS.filter((name) => !this.#given.has(name))
     Object.assign(this.#settings, Object.fromEntries(free.map((name) => [name, defaults[name]])))
-    if (this.#maxError === null) return
-    const choice = choiceForError(this.#surface, this.#settings, this.#given, this.#maxError)
+    if (this.#maxError === null || errorChoice.code === null) return
+    const choice = errorChoice.code.choiceForError(
+      this.#surface,
+      this.#settings,
+      this.#given,
+      this.#maxError,
+    )
     Object.assign(this.#settings, choice.settings)
     this.#errorFeatures = choice.features
   }
@@ -543,6 +543,12 @@ export class DiffractionMaterial extends ShaderMaterial {
   #request(): void {
     if (!this.#isComplete) return
     this.#surfaceVersion = this.#surface.version
+    if (this.#maxError !== null && errorChoice.code === null) {
+      this.#optics.requestAfter(errorChoice.load(), () => {
+        this.#request()
+      })
+      return
+    }
     this.#choose()
     this.#optics.request(this.#surface, this.#settings, this.#mapsPath)
   }
@@ -666,51 +672,44 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#setNumber('uEnvironmentStart', frame === null ? 0 : refinement.start(frame))
   }
 
-  /** After all that the table depends on. */
-  #followPlane(
+  /** After all that its table depends on. */
+  #followRoughness(
     renderer: WebGLRenderer,
     camera: Camera,
     geometry: BufferGeometry,
     object: Object3D,
+    environment: EnvironmentMap | null,
   ): void {
-    const { defines, uniforms } = this
-    const hasEnvironment = 'ENVIRONMENT_EQUIRECT' in defines || 'ENVIRONMENT_CUBE' in defines
-    const isIn =
-      'DIFFRACTION' in defines &&
-      this.#planar.follow({
+    const { defines, uniforms, roughness, side } = this
+    if (this.#rough === null) {
+      const { code } = roughEnvironment
+      if (code === null || roughness === 0) return
+      this.#rough = new code.RoughEnvironment()
+    }
+    this.#setDefines(
+      this.#rough.follow({
         renderer,
         camera,
         object,
         geometry,
-        side: this.side,
+        side,
+        environment,
         gratings: this.#surface.planarGratings,
         obstacle: this.#planarObstacle(),
-        environment: hasEnvironment ? (uniforms.uEnvironmentMap!.value as Texture) : null,
-        rotation: uniforms.uEnvironmentRotation!.value as Matrix3,
-        optics: { defines, uniforms },
+        blurs: this.#blursEnvironment,
+        roughness,
+        defines,
+        uniforms,
         opticsVersion: this.#opticsVersion,
-      })
-    uniforms.uPlanarEnvironment!.value = this.#planar.texture
-    this.#setDefine('PLANAR_TEXELS', isIn && floatLiteral(PLANAR_TEXELS))
+      }),
+    )
   }
 
-  /** After the flat table, in whose place the nodes are read. */
-  #followBlur(renderer: WebGLRenderer, camera: Camera, environment: EnvironmentMap | null): void {
-    const { defines, uniforms, roughness } = this
-    const isIn =
-      'DIFFRACTION' in defines &&
-      this.#blursEnvironment &&
-      !('PLANAR_TEXELS' in defines) &&
-      this.#blurred.follow({ renderer, camera, environment, roughness })
-    uniforms.uBlurredLayers!.value = this.#blurred.texture
-    this.#setNumber('uBlurUnit', isIn ? BlurredEnvironment.unit(roughness) : 1)
-    this.#setDefine('BLURRED_LAYERS', isIn && BLURRED_LAYERS)
-  }
-
-  get #blurWhy(): string {
-    if (!this.#blursEnvironment) return 'the surface is smooth, or its method blurs by mip levels'
-    if ('PLANAR_TEXELS' in this.defines) return 'a flat surface has its table'
-    return this.#blurred.why
+  get #whyNotRough(): RoughReasons {
+    let why = 'nothing has been drawn'
+    if (this.roughness === 0) why = 'roughness is 0'
+    else if (this.method !== 'closed-form') why = `method is '${this.method}'`
+    return { planar: why, blur: why }
   }
 
   #planarObstacle(): string | null {

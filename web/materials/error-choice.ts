@@ -5,16 +5,7 @@ import {
   type Surface,
 } from '../surfaces/surface.ts'
 import measuredErrors from './measured-errors.json'
-import { DEFAULT_SETTINGS } from './options.ts'
-
-/** The settings that a material chooses by itself where it is given a largest error. */
-export const CHOSEN_SETTINGS = [
-  'method',
-  'efficiencies',
-  'wavelengthStep',
-  'environmentNodes',
-] as const
-export type ChosenSettings = Pick<OpticsSettings, (typeof CHOSEN_SETTINGS)[number]>
+import { DEFAULT_SETTINGS, type ChosenSettings } from './options.ts'
 
 /** What a method is chosen for: scenes under lights alone, and scenes in an environment. */
 const PARTS = [

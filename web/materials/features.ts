@@ -1,4 +1,5 @@
 import type { Texture } from 'three'
+import type { RoughReasons } from '../environment/rough-environment.ts'
 import type { DiffractionError } from '../errors.ts'
 import type { Feature } from '../surfaces/surface.ts'
 
@@ -10,10 +11,8 @@ interface MaterialState {
   environmentFeatures: readonly Feature[]
   /** Channels of the environment that held what light cannot be. */
   environmentRepaired: number
-  /** Why a flat mesh's table is in or out. */
-  planarWhy: string
-  /** Why the environment comes blurred for the roughness or not. */
-  blurWhy: string
+  /** Why a flat mesh's table, or the environment blurred for the roughness, are in or out. */
+  roughWhy: RoughReasons
   diffraction: boolean
   opticsState: 'loading' | 'ready' | 'failed'
   opticsError: DiffractionError | null
@@ -80,14 +79,14 @@ export function describeFeatures(state: MaterialState): Feature[] {
     choose(
       'table of the environment for a flat surface',
       isIn('PLANAR_TEXELS'),
-      state.planarWhy,
-      state.planarWhy,
+      state.roughWhy.planar,
+      state.roughWhy.planar,
     ),
     choose(
       'environment blurred for the roughness',
       isIn('BLURRED_LAYERS'),
-      state.blurWhy,
-      state.blurWhy,
+      state.roughWhy.blur,
+      state.roughWhy.blur,
     ),
     choose('gamut mapping', state.gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
     ...Object.entries(state.textures).map(([name, texture]) =>

@@ -1,11 +1,15 @@
 import { DiffractionError } from '../errors.ts'
+import { roughEnvironment } from '../lazy-code.ts'
 import { loadSharedMap } from '../maps/cache.ts'
 import type { LoadedMap } from '../maps/load.ts'
 import type { Optics, OpticsSettings, Surface } from '../surfaces/surface.ts'
 
 type LoaderState = 'loading' | 'ready' | 'failed'
 
-/** Keeps a surface's optics in step with the settings; tables are fetched when their addresses change. */
+/**
+ * Keeps a surface's optics in step with the settings; tables are fetched when their addresses change, code for rough
+ * surfaces when the first is asked for.
+ */
 export class OpticsLoader {
   state: LoaderState = 'loading'
   /** Settles when the last request has; failures are also given to `onError`. */
@@ -28,26 +32,46 @@ export class OpticsLoader {
   request(surface: Surface, settings: OpticsSettings, mapsPath: string): void {
     const wanted = surface.tables(settings, mapsPath)
     const addresses = JSON.stringify(wanted)
+    // Thrown before anything has changed, where it does not fit.
+    const optics = addresses === this.#addresses ? surface.optics(this.#tables, settings) : null
     const request = ++this.#request
-    if (addresses === this.#addresses) {
-      this.apply(surface.optics(this.#tables, settings))
-      this.state = 'ready'
-      this.error = null
-      this.ready = Promise.resolve()
-      return
-    }
-    this.state = 'loading'
-    this.ready = this.#load(wanted).then((tables) => {
-      // A later request has its own tables.
-      if (request !== this.#request) return
-      const optics = surface.optics(tables, settings)
-      this.#tables = tables
-      this.#addresses = addresses
+    const isRough = settings.roughness > 0 && settings.method === 'closed-form'
+    const code = isRough ? roughEnvironment.load() : Promise.resolve()
+    let loading = code
+    if (optics !== null) {
       this.apply(optics)
       this.state = 'ready'
       this.error = null
+    } else {
+      this.state = 'loading'
+      loading = Promise.all([this.#load(wanted), code]).then(([tables]) => {
+        // A later request has its own tables.
+        if (request !== this.#request) return
+        const optics = surface.optics(tables, settings)
+        this.#tables = tables
+        this.#addresses = addresses
+        this.apply(optics)
+        this.state = 'ready'
+        this.error = null
+      })
+    }
+    this.#await(loading, request)
+  }
+
+  /** Requests by `then` once code has come on which the request depends; another request takes its place. */
+  requestAfter(code: Promise<void>, then: () => void): void {
+    const request = ++this.#request
+    this.state = 'loading'
+    const requested = code.then(() => {
+      if (request !== this.#request) return
+      then()
+      return this.ready
     })
-    this.ready = this.ready.catch((cause: unknown) => {
+    this.#await(requested, request)
+  }
+
+  #await(loading: Promise<void>, request: number): void {
+    this.ready = loading.catch((cause: unknown) => {
       const error = asDiffractionError(cause)
       if (request === this.#request) {
         this.state = 'failed'
@@ -71,7 +95,7 @@ export class OpticsLoader {
 function asDiffractionError(cause: unknown): DiffractionError {
   if (cause instanceof DiffractionError) return cause
   return new DiffractionError(
-    { file: 'maps', field: 'tables', value: String(cause), expected: 'tables that load' },
+    { file: 'maps', field: 'tables', value: String(cause), expected: 'tables and code that load' },
     { cause },
   )
 }

@@ -11,6 +11,15 @@ import {
 } from '../surfaces/surface.ts'
 import { oneOf, positive, within } from '../validation.ts'
 
+/** The settings that a material chooses by itself where it is given a largest error. */
+export const CHOSEN_SETTINGS = [
+  'method',
+  'efficiencies',
+  'wavelengthStep',
+  'environmentNodes',
+] as const
+export type ChosenSettings = Pick<OpticsSettings, (typeof CHOSEN_SETTINGS)[number]>
+
 export const GAMUTS = ['map', 'signed'] as const
 export type Gamut = (typeof GAMUTS)[number]
 

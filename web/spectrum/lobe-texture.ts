@@ -1,5 +1,6 @@
-import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat } from 'three'
+import { DataTexture, DataUtils, HalfFloatType, RGBAFormat } from 'three'
 import { arrayOf, type LoadedMap } from '../maps/load.ts'
+import { filtered } from '../maps/shared-texture.ts'
 
 /**
  * The colours of lobes as seen in a metal: each texel's XYZ times R at that texel's own mean wavenumber, over which a
@@ -21,8 +22,5 @@ export function lobeTexture(
       seen[c] = DataUtils.toHalfFloat(DataUtils.fromHalfFloat(seen[c]!) * r)
   }
   // The layers as one picture, one above the other: a plain texture is cheaper to read than an array of them.
-  const texture = new DataTexture(seen, width, layers! * height!, RGBAFormat, HalfFloatType)
-  texture.minFilter = texture.magFilter = LinearFilter
-  texture.needsUpdate = true
-  return texture
+  return filtered(new DataTexture(seen, width, layers! * height!, RGBAFormat, HalfFloatType))
 }

@@ -2,6 +2,7 @@ import type { IUniform } from 'three'
 import { floatLiteral } from '../glsl/float-literal.ts'
 import { arrayOf, constantOf, type LoadedMap } from '../maps/load.ts'
 import type { OpticsSettings } from '../surfaces/surface.ts'
+import { xyzToRgb } from './spectrum-maps.ts'
 
 /** Width of the visible range in wavelength, µm. */
 const VISIBLE = 0.4
@@ -23,7 +24,7 @@ export function windowVariance(coherence: number): number {
   return 1 / (8 * Math.PI ** 2 * coherence ** 2)
 }
 
-/** Defines and uniforms of shaders/spectrum.glsl and shaders/lobe.glsl but for their textures. */
+/** Defines and uniforms of shaders/spectrum.glsl and shaders/lobe.glsl but for their textures, and the way to colours. */
 export function spectrumOptics(
   lobes: LoadedMap,
   { coherence, roughness }: OpticsSettings,
@@ -45,6 +46,7 @@ export function spectrumOptics(
     uniforms: {
       uWindowVariance: { value: windowVariance(coherence) },
       uRoughness: { value: roughness },
+      uXyzToRgb: { value: xyzToRgb(lobes) },
     },
   }
 }

@@ -4,7 +4,7 @@ import { gratingShaders } from '../glsl/grating-shaders.ts'
 import { constantOf, expectKinds, type LoadedMap } from '../maps/load.ts'
 import { gratingOptics } from '../spectrum/grating-optics.ts'
 import { SHORTEST_WAVELENGTH } from '../spectrum/max-order.ts'
-import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps.ts'
+import { spectrumUrls } from '../spectrum/spectrum-maps.ts'
 import { positive } from '../validation.ts'
 import { profileUrl } from './profile.ts'
 import type { Method, Optics, OpticsSettings, Surface } from './surface.ts'
@@ -103,7 +103,6 @@ export abstract class GratingSurface implements Surface {
     )
     return {
       ...optics,
-      uniforms: { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(lobes) } },
       features: [
         ...optics.features,
         { feature: 'orientation and period from a map', ...this.mapRead },

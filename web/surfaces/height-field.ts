@@ -5,7 +5,7 @@ import { heightFieldShaders } from '../glsl/height-field-shaders.ts'
 import { expectKinds, type LoadedMap } from '../maps/load.ts'
 import { unlikeBaked } from '../height-field/baked-pattern.ts'
 import { heightFieldOptics } from '../height-field/optics.ts'
-import { spectrumUrls, xyzToRgb } from '../spectrum/spectrum-maps.ts'
+import { spectrumUrls } from '../spectrum/spectrum-maps.ts'
 import { within } from '../validation.ts'
 import type { Tiles } from '../height-field/cut-window.ts'
 import type { Method, Optics, OpticsSettings, Surface } from './surface.ts'
@@ -68,7 +68,7 @@ export class HeightField implements Surface {
         file: this.name,
         field: 'field',
         value: field,
-        expected: 'the name of a baked height field, or its address without method and extension',
+        expected: 'the name or address of a baked height field, without its method',
       })
     this.field = field
     this.tiles = tiles === null ? null : pairOfCounts(tiles)
@@ -153,9 +153,7 @@ export class HeightField implements Surface {
       metals: 'metals',
     })
     this.#learn(maps.relief)
-    const optics = heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
-    const uniforms = { ...optics.uniforms, uXyzToRgb: { value: xyzToRgb(maps.lobes) } }
-    return { ...optics, uniforms }
+    return heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
   }
 
   /** A recipe says which methods have maps: materials that choose one look again. */
@@ -175,7 +173,7 @@ function pairOfCounts(value: unknown): Tiles {
     file: 'HeightField',
     field: 'tiles',
     value,
-    expected: 'a whole number of patches above 0, a pair of them for x and y, or null for no end',
+    expected: 'a whole number of patches above 0, two for x and y, or null for no end',
   })
 }
 
