@@ -298,10 +298,13 @@ async function bundleSizes(...names: string[]): Promise<Sizes> {
     configFile: false,
     root: consumer,
     logLevel: 'error',
+    ssr: { noExternal: true },
     build: {
       write: false,
       target: 'es2022',
-      modulePreload: false,
+      // As for a server: without what Vite itself adds to a page that imports chunks.
+      ssr: true,
+      minify: true,
       rolldownOptions: { input: entry, external: ['three'], preserveEntrySignatures: 'strict' },
     },
   })) as Rolldown.RolldownOutput

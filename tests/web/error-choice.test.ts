@@ -185,7 +185,7 @@ describe('the table of measured errors', () => {
     for (const { options, rel_rmse, time_ratio } of settings) {
       for (const [name, value] of Object.entries(options)) {
         expect(CHOSEN_SETTINGS).toContain(name)
-        expect(SETTING_CHECKS[name as keyof ChosenSettings](value)).toBe(value)
+        expect(SETTING_CHECKS[name as keyof ChosenSettings]('', value)).toBe(value)
       }
       expect(rel_rmse).toBeGreaterThan(0)
       expect(time_ratio).toBeGreaterThan(0)

@@ -4,64 +4,41 @@ import {
   Euler,
   Material,
   Matrix3,
-  Matrix4,
   ShaderMaterial,
   TangentSpaceNormalMap,
-  Texture,
   UniformsLib,
   UniformsUtils,
   Vector2,
   type BufferGeometry,
   type Camera,
   type Group,
-  type IUniform,
   type MaterialParameters,
   type Object3D,
   type Scene,
+  type Texture,
   type WebGLRenderer,
 } from 'three'
-import {
-  checkEnvironment,
-  environmentMap,
-  type EnvironmentMap,
-} from '../environment/environment-map.ts'
-import type { RoughEnvironment, RoughReasons } from '../environment/rough-environment.ts'
+import { checkEnvironment, environmentMap } from '../environment/environment-map.ts'
 import type { DiffractionError } from '../errors.ts'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders.ts'
-import { errorChoice, roughEnvironment } from '../lazy-code.ts'
-import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame.ts'
 import type {
   Efficiencies,
   Energy,
-  EnvironmentRefinement,
   Feature,
-  LightOptics,
   Metal,
   Method,
   Observer,
-  Optics,
-  OpticsSettings,
   Surface,
 } from '../surfaces/surface.ts'
-import { angularRadius, oneOf, positive, within } from '../validation.ts'
-import { describeFeatures } from './features.ts'
+import { angularRadius, oneOf, within } from '../validation.ts'
+import { ChosenOptics } from './chosen-optics.ts'
+import { Defines } from './defines.ts'
+import { choose } from './features.ts'
 import { assertLightLoops } from './light-order.ts'
-import { OpticsLoader } from './optics-loader.ts'
-import {
-  CHOSEN_SETTINGS,
-  DEFAULT_SETTINGS,
-  GAMUTS,
-  SETTING_CHECKS,
-  type DiffractionMaterialOptions,
-  type Gamut,
-} from './options.ts'
-import { sceneLights } from './scene-lights.ts'
+import { GAMUTS, type DiffractionMaterialOptions, type Gamut } from './options.ts'
+import { SceneOptics } from './scene-optics.ts'
 
 const OWNER = 'DiffractionMaterial'
-
-const rotationMatrix = new Matrix4()
-/** Cube textures that were not rendered keep the left-handed axes of their images. */
-const mirrorX = new Matrix3().set(-1, 0, 0, 0, 1, 0, 0, 0, 1)
 
 /**
  * A material for WebGLRenderer whose surface diffracts: over a matt base, under a clear lacquer, lit by
@@ -88,180 +65,154 @@ export class DiffractionMaterial extends ShaderMaterial {
     console.error(error)
   }
 
-  readonly #settings: OpticsSettings = { ...DEFAULT_SETTINGS }
-  /** Names of the settings that were given; no choice touches them. */
-  readonly #given = new Set<string>()
-  #maxError: number | null = null
-  #errorFeatures: readonly Feature[] = []
-  readonly #optics: OpticsLoader
-  /** The settings of the optics in use; null before the first. */
-  #applied: OpticsSettings | null = null
-  #opticsDefines: string[] = []
-  readonly #opticsUniforms = new Set<string>()
-  #opticsFeatures: readonly Feature[] = []
-  #environmentFeatures: readonly Feature[] = []
-  /** Makes what an environment needs of the optics; null once it is there. */
-  #environmentUniforms: Optics['environmentUniforms'] | null = null
-  #environmentRefinement: EnvironmentRefinement | null = null
-  /** Whether the last frame drawn was one of a refinement. */
-  #isRefined = false
-  /** How many frames of a refinement the uniforms serve; 0: of none. */
-  #refinementFrames = 0
-  #underLights: Optics['underLights'] = () => ({ defines: {}, features: [] })
-  /** What the lights of the last frame drawn asked of the optics. */
-  #lightOptics: LightOptics = { defines: {}, features: [] }
-  #largestRadius = -1
-  #environmentRepaired = 0
-  /** Null until a rough surface has been drawn. */
-  #rough: RoughEnvironment | null = null
-  #blursEnvironment = false
-  #opticsVersion = 0
-  #surface: Surface
-  #surfaceVersion = -1
-  #mapsPath: string
-  #diffraction = true
+  readonly #chosen: ChosenOptics
+  readonly #scene: SceneOptics
   #lightAngularRadius: number | null = null
   #gamut: Gamut = 'map'
   #map: Texture | null = null
   #normalMap: Texture | null = null
   #bumpMap: Texture | null = null
   #envMap: Texture | null = null
-  /** False while the constructor sets one option after the other. */
-  #isComplete = false
 
   constructor(options: DiffractionMaterialOptions) {
     super()
     assertLightLoops()
     const { surface, mapsPath = 'maps/baked/', ...values } = options
-    this.#surface = surface
-    this.#takeDefaults()
-    this.#mapsPath = mapsPath
-    this.#optics = new OpticsLoader(
-      (optics) => {
-        this.#apply(optics)
+    const defines = new Defines((values) => {
+      this.defines = values
+      this.needsUpdate = true
+    })
+    this.#scene = new SceneOptics(defines, this.uniforms)
+    this.#chosen = new ChosenOptics(
+      {
+        name: OWNER,
+        useSurface: (used, isNew) => {
+          this.#useSurface(used, isNew)
+        },
+        useOptics: (optics) => {
+          this.#scene.useOptics(optics)
+        },
+        onError: (error) => {
+          this.onError(error)
+        },
       },
-      (error) => {
-        this.#fail(error)
-      },
+      surface,
+      mapsPath,
     )
     this.lights = true
     this.fog = true
     this.clipping = true
     this.vertexShader = vertexShader
-    this.uniforms = {
-      ...UniformsUtils.merge([UniformsLib.lights, UniformsLib.fog]),
-      ...this.#ownUniforms(),
-    }
-    this.#useSurface()
+    Object.assign(
+      this.uniforms,
+      UniformsUtils.merge([UniformsLib.lights, UniformsLib.fog]),
+      this.#ownUniforms(),
+    )
+    this.#useSurface(surface, true)
+    this.#scene.defines.set('GAMUT_MAPPED', this.#gamut === 'map')
     this.setValues(values)
-    this.#isComplete = true
-    this.#request()
+    this.#chosen.begin()
   }
 
   /** Resolves when all tables are there and in use; rejects with a DiffractionError. */
   get ready(): Promise<void> {
-    this.#followSurface()
-    return this.#optics.ready
+    return this.#chosen.ready
   }
 
   get surface(): Surface {
-    return this.#surface
+    return this.#chosen.surface
   }
 
   set surface(value: Surface) {
-    if (value === this.#surface) return
-    this.#surface = value
-    this.#takeDefaults()
-    this.#useSurface()
-    this.#request()
+    this.#chosen.surface = value
   }
 
   get mapsPath(): string {
-    return this.#mapsPath
+    return this.#chosen.mapsPath
   }
 
   get metal(): Metal {
-    return this.#settings.metal
+    return this.#chosen.settings.metal
   }
 
   set metal(value: Metal) {
-    this.#set('metal', value)
+    this.#chosen.set('metal', value)
   }
 
   get illuminant(): string {
-    return this.#settings.illuminant
+    return this.#chosen.settings.illuminant
   }
 
   set illuminant(value: string) {
-    this.#set('illuminant', value)
+    this.#chosen.set('illuminant', value)
   }
 
   get observer(): Observer {
-    return this.#settings.observer
+    return this.#chosen.settings.observer
   }
 
   set observer(value: Observer) {
-    this.#set('observer', value)
+    this.#chosen.set('observer', value)
   }
 
   /** How efficiencies are normalised over the orders that propagate. */
   get energy(): Energy {
-    return this.#settings.energy
+    return this.#chosen.settings.energy
   }
 
   set energy(value: Energy) {
-    this.#set('energy', value)
+    this.#chosen.set('energy', value)
   }
 
   get method(): Method {
-    return this.#settings.method
+    return this.#chosen.settings.method
   }
 
   set method(value: Method) {
-    this.#set('method', value)
+    this.#chosen.set('method', value)
   }
 
   /** Step of the wavelength loop, µm. */
   get wavelengthStep(): number {
-    return this.#settings.wavelengthStep
+    return this.#chosen.settings.wavelengthStep
   }
 
   set wavelengthStep(value: number) {
-    this.#set('wavelengthStep', value)
+    this.#chosen.set('wavelengthStep', value)
   }
 
   get efficiencies(): Efficiencies {
-    return this.#settings.efficiencies
+    return this.#chosen.settings.efficiencies
   }
 
   set efficiencies(value: Efficiencies) {
-    this.#set('efficiencies', value)
+    this.#chosen.set('efficiencies', value)
   }
 
   /** Standard deviation σ of the coherence window, µm. */
   get coherence(): number {
-    return this.#settings.coherence
+    return this.#chosen.settings.coherence
   }
 
   set coherence(value: number) {
-    this.#set('coherence', value)
+    this.#chosen.set('coherence', value)
   }
 
   /** Standard deviation of the surface's tilt, rad. */
   get roughness(): number {
-    return this.#settings.roughness
+    return this.#chosen.settings.roughness
   }
 
   set roughness(value: number) {
-    this.#set('roughness', value)
+    this.#chosen.set('roughness', value)
   }
 
   get environmentNodes(): number {
-    return this.#settings.environmentNodes
+    return this.#chosen.settings.environmentNodes
   }
 
   set environmentNodes(value: number) {
-    this.#set('environmentNodes', value)
+    this.#chosen.set('environmentNodes', value)
   }
 
   /**
@@ -269,22 +220,20 @@ export class DiffractionMaterial extends ShaderMaterial {
    * given; null: nothing is chosen. `explain()` says what was, and whether it is enough.
    */
   get maxError(): number | null {
-    return this.#maxError
+    return this.#chosen.maxError
   }
 
   set maxError(value: number | null) {
-    this.#maxError = value === null ? null : positive(OWNER, 'maxError', value, '')
-    this.#request()
+    this.#chosen.maxError = value
   }
 
   /** Whether the surface diffracts; false compiles diffraction out and leaves base and lacquer. */
   get diffraction(): boolean {
-    return this.#diffraction
+    return this.#scene.isOn
   }
 
   set diffraction(value: boolean) {
-    this.#diffraction = value
-    this.#setDefine('DIFFRACTION', this.#applied !== null && value)
+    this.#scene.isOn = value
   }
 
   /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; null: points. */
@@ -303,7 +252,7 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   set coat(value: number) {
     this.#setNumber('uCoat', within(OWNER, 'coat', value, 0, 1))
-    this.#setDefine('COAT', value > 0)
+    this.#scene.defines.set('COAT', value > 0)
   }
 
   get coatIor(): number {
@@ -329,7 +278,7 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   set gamut(value: Gamut) {
     this.#gamut = oneOf(OWNER, 'gamut', value, GAMUTS)
-    this.#setDefine('GAMUT_MAPPED', value === 'map')
+    this.#scene.defines.set('GAMUT_MAPPED', value === 'map')
   }
 
   get map(): Texture | null {
@@ -372,25 +321,23 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   /** What is compiled in, what is left out, and why. */
   explain(): Feature[] {
-    return describeFeatures({
-      defines: this.defines,
-      opticsFeatures: [
-        ...this.#errorFeatures,
-        ...this.#opticsFeatures,
-        ...this.#lightOptics.features,
-      ],
-      environmentFeatures: this.#environmentFeatures,
-      environmentRepaired: this.#environmentRepaired,
-      roughWhy: this.#rough?.why ?? this.#whyNotRough,
-      diffraction: this.#diffraction,
-      opticsState: this.#optics.state,
-      opticsError: this.#optics.error,
-      isPartial: this.#surface.isPartial,
-      surfaceName: this.#surface.name,
-      gamut: this.#gamut,
-      textures: { map: this.#map, normalMap: this.#normalMap, bumpMap: this.#bumpMap },
-      lights: (this.uniforms.uLightAngularRadii!.value as number[]).length,
-    })
+    const { surface, state, error, settings, features } = this.#chosen
+    const textures = { map: this.#map, normalMap: this.#normalMap, bumpMap: this.#bumpMap }
+    return [
+      ...this.#scene.explain(state, error, settings),
+      ...features,
+      choose(
+        'matt base',
+        surface.isPartial,
+        `the strength of ${surface.name} is below 1 somewhere`,
+        `the strength of ${surface.name} is 1 everywhere`,
+      ),
+      choose('lacquer', 'COAT' in this.defines, 'coat is above 0', 'coat is 0'),
+      choose('gamut mapping', this.#gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
+      ...Object.entries(textures).map(([name, texture]) =>
+        choose(name, texture !== null, 'a texture is set', 'no texture is set'),
+      ),
+    ]
   }
 
   override onBeforeRender(
@@ -402,19 +349,29 @@ export class DiffractionMaterial extends ShaderMaterial {
     group: Group,
   ): void {
     super.onBeforeRender(renderer, scene, camera, geometry, object, group)
-    this.#followSurface()
-    this.#followLights(renderer, scene, camera)
-    const environment = this.#followEnvironment(scene)
+    this.#chosen.follow()
     this.#followTextures()
-    this.#followRoughness(renderer, camera, geometry, object, environment)
+    this.#scene.follow({
+      renderer,
+      scene,
+      camera,
+      geometry,
+      object,
+      side: this.side,
+      settings: this.#chosen.settings,
+      environment:
+        this.#envMap === null
+          ? null
+          : { map: this.#envMap, intensity: this.envMapIntensity, rotation: this.envMapRotation },
+      obstacle: this.#planarObstacle(),
+      lightRadius: this.#lightAngularRadius ?? 0,
+    })
     this.#setNumber('uOpacity', this.opacity)
   }
 
   override dispose(): void {
     super.dispose()
-    this.#rough?.dispose()
-    for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
-    for (const { value } of Object.values(this.#surface.uniforms)) disposeTexture(value)
+    this.#scene.dispose()
   }
 
   /** Shares surface and tables with the source, and copies the rest. */
@@ -423,21 +380,19 @@ export class DiffractionMaterial extends ShaderMaterial {
     Material.prototype.copy.call(this, source)
     this.surface = source.surface
     this.setValues(source.#options())
-    this.#given.clear()
-    for (const name of source.#given) this.#given.add(name)
-    this.maxError = source.maxError
+    this.#chosen.copyGiven(source.#chosen)
     return this
   }
 
   override clone(): this {
-    const clone = new DiffractionMaterial({ surface: this.#surface, mapsPath: this.#mapsPath })
+    const clone = new DiffractionMaterial({ surface: this.surface, mapsPath: this.mapsPath })
     return clone.copy(this) as this
   }
 
   #options(): MaterialParameters & Omit<DiffractionMaterialOptions, 'surface' | 'mapsPath'> {
     return {
-      ...this.#settings,
-      diffraction: this.#diffraction,
+      ...this.#chosen.settings,
+      diffraction: this.diffraction,
       lightAngularRadius: this.#lightAngularRadius,
       coat: this.coat,
       coatIor: this.coatIor,
@@ -458,21 +413,13 @@ export class DiffractionMaterial extends ShaderMaterial {
     }
   }
 
-  #ownUniforms(): Record<string, IUniform> {
+  #ownUniforms(): Record<string, { value: unknown }> {
     return {
       uBaseColor: { value: this.color },
       uOpacity: { value: 1 },
       uCoat: { value: 0 },
       uCoatIor: { value: 1.5 },
       uCoatRoughness: { value: 0 },
-      uLightAngularRadii: { value: [] as number[] },
-      uEnvironmentMap: { value: null },
-      uEnvironmentRotation: { value: new Matrix3() },
-      uEnvironmentIntensity: { value: 1 },
-      uEnvironmentTexel: { value: 1 },
-      uPlanarEnvironment: { value: null },
-      uBlurredLayers: { value: null },
-      uBlurUnit: { value: 1 },
       map: { value: null },
       mapTransform: { value: new Matrix3() },
       normalMap: { value: null },
@@ -484,238 +431,16 @@ export class DiffractionMaterial extends ShaderMaterial {
     }
   }
 
-  /** One of the optics' settings: taken if the surface can be shown with it, else as it was. */
-  #set<K extends keyof OpticsSettings>(name: K, value: OpticsSettings[K]): void {
-    const checked = this.#checked(name, value)
-    const wasGiven = this.#given.has(name)
-    this.#given.add(name)
-    if (checked === this.#settings[name]) return
-    const before = { ...this.#settings }
-    this.#settings[name] = checked
-    try {
-      this.#request()
-    } catch (error) {
-      Object.assign(this.#settings, before)
-      if (!wasGiven) this.#given.delete(name)
-      this.#choose()
-      throw error
-    }
-  }
-
-  /** Some settings are a question of what the surface offers. */
-  #checked<K extends keyof OpticsSettings>(name: K, value: unknown): OpticsSettings[K] {
-    const checked = SETTING_CHECKS[name](value)
-    if (name === 'method') oneOf(OWNER, name, value, this.#surface.methods)
-    if (name === 'energy') oneOf(OWNER, name, value, this.#surface.energies)
-    return checked
-  }
-
-  /** A method or energy that the surface does not have gives way to its default. */
-  #takeDefaults(): void {
-    const { methods, energies } = this.#surface
-    const settings = this.#settings
-    if (!methods.includes(settings.method)) {
-      settings.method = methods[0]!
-      this.#given.delete('method')
-    }
-    if (!energies.includes(settings.energy)) settings.energy = energies[0]!
-  }
-
-  /** Chooses what was not given, if an error was; what it chose before goes with the error. */
-  #choose(): void {
-    const isChosen = this.#errorFeatures.length > 0
-    this.#errorFeatures = []
-    if (this.#maxError === null && !isChosen) return
-    const defaults = { ...DEFAULT_SETTINGS, method: this.#surface.methods[0]! }
-    const free = CHOSEN_SETTINGS.filter((name) => !this.#given.has(name))
-    Object.assign(this.#settings, Object.fromEntries(free.map((name) => [name, defaults[name]])))
-    if (this.#maxError === null || errorChoice.code === null) return
-    const choice = errorChoice.code.choiceForError(
-      this.#surface,
-      this.#settings,
-      this.#given,
-      this.#maxError,
-    )
-    Object.assign(this.#settings, choice.settings)
-    this.#errorFeatures = choice.features
-  }
-
-  #request(): void {
-    if (!this.#isComplete) return
-    this.#surfaceVersion = this.#surface.version
-    if (this.#maxError !== null && errorChoice.code === null) {
-      this.#optics.requestAfter(errorChoice.load(), () => {
-        this.#request()
-      })
-      return
-    }
-    this.#choose()
-    this.#optics.request(this.#surface, this.#settings, this.#mapsPath)
-  }
-
-  /** Takes over what a surface changed since the last look, in a frame or before `ready` is awaited. */
-  #followSurface(): void {
-    if (this.#surface.version === this.#surfaceVersion) return
-    this.#setDefines(this.#surface.defines)
-    this.#setDefine('BASE', this.#surface.isPartial)
-    this.#request()
-  }
-
-  #useSurface(): void {
-    this.fragmentShader = fragmentShader(this.#surface)
-    Object.assign(this.uniforms, this.#surface.uniforms)
-    this.#setDefines(this.#surface.defines)
-    this.#setDefine('BASE', this.#surface.isPartial)
-    this.#setDefine('GAMUT_MAPPED', this.#gamut === 'map')
-    // The old surface's optics do not fit the new one's GLSL.
-    this.#applied = null
-    this.#setDefine('DIFFRACTION', false)
+  #useSurface(surface: Surface, isNew: boolean): void {
+    this.#scene.useSurface(surface, isNew)
+    this.#scene.defines.set('BASE', surface.isPartial)
+    if (!isNew) return
+    this.fragmentShader = fragmentShader(surface)
     this.needsUpdate = true
-  }
-
-  #apply(optics: Optics): void {
-    this.#opticsVersion++
-    const { defines, uniforms, environmentUniforms, underLights } = optics
-    this.#opticsFeatures = optics.features
-    this.#environmentFeatures = optics.environmentFeatures
-    this.#environmentUniforms = environmentUniforms
-    this.#environmentRefinement = optics.environmentRefinement
-    this.#blursEnvironment = optics.blursEnvironment
-    this.#refinementFrames = 0
-    this.#underLights = underLights
-    this.#largestRadius = -1
-    this.#takeUniforms(uniforms)
-    for (const name of this.#opticsDefines) if (!(name in defines)) this.#setDefine(name, false)
-    this.#opticsDefines = Object.keys(defines)
-    this.#setDefines(defines)
-    this.#applied = { ...this.#settings }
-    this.#setDefine('DIFFRACTION', this.#diffraction)
-  }
-
-  #takeUniforms(uniforms: Record<string, IUniform>): void {
-    for (const [name, { value }] of Object.entries(uniforms)) {
-      const uniform = (this.uniforms[name] ??= { value: null })
-      // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
-      // uploads it again with the next frame.
-      if (uniform.value !== value) disposeTexture(uniform.value)
-      uniform.value = value as unknown
-      this.#opticsUniforms.add(name)
-    }
-  }
-
-  /** Tables did not come: back to the settings of those in use. */
-  #fail(error: DiffractionError): void {
-    if (this.#applied !== null) Object.assign(this.#settings, this.#applied)
-    this.onError(error)
-  }
-
-  #followLights(renderer: WebGLRenderer, scene: Object3D, camera: Camera): void {
-    const { angularRadii, isTinted } = sceneLights(renderer, scene, camera)
-    const radii = this.uniforms.uLightAngularRadii!.value as number[]
-    radii.length = angularRadii.length
-    let largest = 0
-    for (let i = 0; i < radii.length; i++) {
-      const radius = angularRadii[i]!
-      radii[i] = Number.isNaN(radius) ? (this.#lightAngularRadius ?? 0) : radius
-      largest = Math.max(largest, radii[i]!)
-    }
-    if (largest !== this.#largestRadius) this.#useLights(largest)
-    this.#setDefine('TINTED', isTinted)
-  }
-
-  #useLights(largestRadius: number): void {
-    this.#largestRadius = largestRadius
-    const before = this.#lightOptics.defines
-    this.#lightOptics = this.#underLights(largestRadius)
-    const { defines } = this.#lightOptics
-    for (const name of Object.keys({ ...before, ...defines }))
-      this.#setDefine(name, defines[name] ?? false)
-  }
-
-  /** The material's environment before the scene's, as for three's own materials. */
-  #followEnvironment(scene: Scene): EnvironmentMap | null {
-    const isOwn = this.#envMap !== null
-    const given = this.#envMap ?? environmentOf(scene)
-    const environment = given === null ? null : environmentMap(given)
-    this.#setDefine('ENVIRONMENT_EQUIRECT', environment !== null && !environment.isCube)
-    this.#setDefine('ENVIRONMENT_CUBE', environment?.isCube === true)
-    this.#environmentRepaired = environment?.repaired ?? 0
-    if (environment === null) return null
-    if (this.#environmentUniforms !== null) {
-      this.#takeUniforms(this.#environmentUniforms())
-      this.#environmentUniforms = null
-    }
-    this.#followRefinement(refinementFrame(scene))
-    const { texture, isCube, texel } = environment
-    const euler = isOwn ? this.envMapRotation : scene.environmentRotation
-    const rotation = this.uniforms.uEnvironmentRotation!.value as Matrix3
-    // The inverse of a rotation is its transpose: the texture turns with the angles, directions against them.
-    rotation.setFromMatrix4(rotationMatrix.makeRotationFromEuler(euler)).transpose()
-    if (isCube && !texture.isRenderTargetTexture) rotation.premultiply(mirrorX)
-    this.uniforms.uEnvironmentMap!.value = texture
-    this.#setNumber('uEnvironmentTexel', texel)
-    this.#setNumber(
-      'uEnvironmentIntensity',
-      isOwn ? this.envMapIntensity : scene.environmentIntensity,
-    )
-    return environment
-  }
-
-  #followRefinement(frame: RefinementFrame | null): void {
-    this.#isRefined = frame !== null
-    const refinement = this.#environmentRefinement
-    if (refinement === null) return
-    if (frame !== null && frame.count !== this.#refinementFrames) {
-      this.#refinementFrames = frame.count
-      this.#takeUniforms(refinement.uniforms(frame.count))
-    }
-    this.#setNumber('uEnvironmentStart', frame === null ? 0 : refinement.start(frame))
-  }
-
-  /** After all that its table depends on. */
-  #followRoughness(
-    renderer: WebGLRenderer,
-    camera: Camera,
-    geometry: BufferGeometry,
-    object: Object3D,
-    environment: EnvironmentMap | null,
-  ): void {
-    const { defines, uniforms, roughness, side } = this
-    if (this.#rough === null) {
-      const { code } = roughEnvironment
-      if (code === null || roughness === 0) return
-      this.#rough = new code.RoughEnvironment()
-    }
-    this.#setDefines(
-      this.#rough.follow({
-        renderer,
-        camera,
-        object,
-        geometry,
-        side,
-        environment,
-        gratings: this.#surface.planarGratings,
-        obstacle: this.#planarObstacle(),
-        blurs: this.#blursEnvironment,
-        roughness,
-        defines,
-        uniforms,
-        opticsVersion: this.#opticsVersion,
-      }),
-    )
-  }
-
-  get #whyNotRough(): RoughReasons {
-    let why = 'nothing has been drawn'
-    if (this.roughness === 0) why = 'roughness is 0'
-    else if (this.method !== 'closed-form') why = `method is '${this.method}'`
-    return { planar: why, blur: why }
   }
 
   #planarObstacle(): string | null {
     if (!this.planarEnvironment) return 'planarEnvironment is false'
-    if (this.#isRefined) return 'a refinement goes further than a table'
-    if (this.method !== 'closed-form') return `method is '${this.method}'`
     if (this.#normalMap !== null || this.#bumpMap !== null) return 'a map bends the normals'
     return this.flatShading ? 'flatShading takes normals from the triangles' : null
   }
@@ -748,24 +473,6 @@ export class DiffractionMaterial extends ShaderMaterial {
     return value
   }
 
-  #setDefines(defines: Record<string, string | number | boolean>): void {
-    for (const [name, value] of Object.entries(defines)) this.#setDefine(name, value)
-  }
-
-  /**
-   * Asks for another program only on change. three knows a program by the names and values of its defines in their order,
-   * so those that are out are not among them, and the others are sorted: whatever came in between, a class of scene that
-   * was drawn before finds its program.
-   */
-  #setDefine(name: string, value: string | number | boolean): void {
-    const define = value === true ? '' : value
-    if ((this.defines[name] ?? false) === define) return
-    const defines = Object.entries({ ...this.defines, [name]: define })
-    const included = defines.filter(([, kept]) => kept !== false)
-    this.defines = Object.fromEntries(included.sort(([a], [b]) => (a < b ? -1 : 1)))
-    this.needsUpdate = true
-  }
-
   #number(name: string): number {
     return this.uniforms[name]!.value as number
   }
@@ -773,13 +480,4 @@ export class DiffractionMaterial extends ShaderMaterial {
   #setNumber(name: string, value: number): void {
     this.uniforms[name]!.value = value
   }
-}
-
-/** What is drawn can be a mere mesh or group, without an environment. */
-function environmentOf(scene: Partial<Scene>): Texture | null {
-  return scene.environment ?? null
-}
-
-function disposeTexture(value: unknown): void {
-  if (value instanceof Texture) value.dispose()
 }

@@ -1,9 +1,8 @@
-import type { Texture } from 'three'
 import type { RoughReasons } from '../environment/rough-environment.ts'
-import type { DiffractionError } from '../errors.ts'
 import type { Feature } from '../surfaces/surface.ts'
+import type { OpticsLoader } from './optics-loader.ts'
 
-interface MaterialState {
+interface SceneState {
   defines: Record<string, unknown>
   /** What the surface's optics say of themselves. */
   opticsFeatures: readonly Feature[]
@@ -13,25 +12,23 @@ interface MaterialState {
   environmentRepaired: number
   /** Why a flat mesh's table, or the environment blurred for the roughness, are in or out. */
   roughWhy: RoughReasons
-  diffraction: boolean
-  opticsState: 'loading' | 'ready' | 'failed'
-  opticsError: DiffractionError | null
-  isPartial: boolean
+  /** Whether diffraction was asked for. */
+  isOn: boolean
+  state: OpticsLoader['state']
+  error: Error | null
   surfaceName: string
-  gamut: 'map' | 'signed'
-  textures: Record<string, Texture | null>
   /** Visible lights that diffract. */
   lights: number
 }
 
-/** The report behind `material.explain()`. Lights and environment are as in the last frame drawn. */
-export function describeFeatures(state: MaterialState): Feature[] {
+/** A thing that is in or out for one reason or another. */
+export function choose(feature: string, included: boolean, yes: string, no: string): Feature {
+  return { feature, included, why: included ? yes : no }
+}
+
+/** What surface, lights and environment have compiled in. Lights and environment are as in the last frame drawn. */
+export function describeScene(state: SceneState): Feature[] {
   const isIn = (name: string): boolean => name in state.defines
-  const choose = (feature: string, included: boolean, yes: string, no: string): Feature => ({
-    feature,
-    included,
-    why: included ? yes : no,
-  })
   return [
     choose(
       'diffraction',
@@ -39,13 +36,6 @@ export function describeFeatures(state: MaterialState): Feature[] {
       `the tables of ${state.surfaceName} are loaded`,
       whyNot(state),
     ),
-    choose(
-      'matt base',
-      state.isPartial,
-      `the strength of ${state.surfaceName} is below 1 somewhere`,
-      `the strength of ${state.surfaceName} is 1 everywhere`,
-    ),
-    choose('lacquer', isIn('COAT'), 'coat is above 0', 'coat is 0'),
     choose(
       'lights',
       state.lights > 0,
@@ -88,10 +78,6 @@ export function describeFeatures(state: MaterialState): Feature[] {
       state.roughWhy.blur,
       state.roughWhy.blur,
     ),
-    choose('gamut mapping', state.gamut === 'map', "gamut is 'map'", "gamut is 'signed'"),
-    ...Object.entries(state.textures).map(([name, texture]) =>
-      choose(name, texture !== null, 'a texture is set', 'no texture is set'),
-    ),
     ...state.opticsFeatures,
     ...(isIn('ENVIRONMENT_EQUIRECT') || isIn('ENVIRONMENT_CUBE')
       ? state.environmentFeatures
@@ -101,9 +87,8 @@ export function describeFeatures(state: MaterialState): Feature[] {
   ]
 }
 
-function whyNot(state: MaterialState): string {
-  if (!state.diffraction) return 'diffraction is false'
-  if (state.opticsState === 'failed')
-    return `the tables failed: ${state.opticsError?.message ?? ''}`
+function whyNot(state: SceneState): string {
+  if (!state.isOn) return 'diffraction is false'
+  if (state.state === 'failed') return `the tables failed: ${state.error?.message ?? ''}`
   return 'the tables are loading'
 }

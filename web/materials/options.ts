@@ -80,24 +80,22 @@ export const DEFAULT_SETTINGS: Readonly<OpticsSettings> = {
   environmentNodes: 12,
 }
 
-const OWNER = 'DiffractionMaterial'
-
-/** One check for each setting; each returns the value or throws a DiffractionError that names it. */
+/** One check for each setting; each returns the value or throws a DiffractionError that names its owner and it. */
 export const SETTING_CHECKS: {
-  [K in keyof OpticsSettings]: (value: unknown) => OpticsSettings[K]
+  [K in keyof OpticsSettings]: (owner: string, value: unknown) => OpticsSettings[K]
 } = {
-  metal: (value) => oneOf(OWNER, 'metal', value, METALS),
+  metal: (owner, value) => oneOf(owner, 'metal', value, METALS),
   // Any name: which illuminants there are is a question of which maps were baked.
-  illuminant: (value) =>
-    typeof value === 'string' && value !== '' ? value : oneOf(OWNER, 'illuminant', value, ['D65']),
-  observer: (value) => oneOf(OWNER, 'observer', value, OBSERVERS),
-  energy: (value) => oneOf(OWNER, 'energy', value, ENERGIES),
-  method: (value) => oneOf(OWNER, 'method', value, METHODS),
+  illuminant: (owner, value) =>
+    typeof value === 'string' && value !== '' ? value : oneOf(owner, 'illuminant', value, ['D65']),
+  observer: (owner, value) => oneOf(owner, 'observer', value, OBSERVERS),
+  energy: (owner, value) => oneOf(owner, 'energy', value, ENERGIES),
+  method: (owner, value) => oneOf(owner, 'method', value, METHODS),
   // Above 50 nm the loop would step over a colour-matching lobe; below 0.1 nm it would never end.
-  wavelengthStep: (value) => within(OWNER, 'wavelengthStep', value, 0.0001, 0.05, 'µm'),
-  efficiencies: (value) => oneOf(OWNER, 'efficiencies', value, EFFICIENCIES),
-  coherence: (value) => positive(OWNER, 'coherence', value, 'µm'),
-  roughness: (value) => within(OWNER, 'roughness', value, 0, Math.PI / 2, 'rad'),
+  wavelengthStep: (owner, value) => within(owner, 'wavelengthStep', value, 0.0001, 0.05, 'µm'),
+  efficiencies: (owner, value) => oneOf(owner, 'efficiencies', value, EFFICIENCIES),
+  coherence: (owner, value) => positive(owner, 'coherence', value, 'µm'),
+  roughness: (owner, value) => within(owner, 'roughness', value, 0, Math.PI / 2, 'rad'),
   // 401 are the spectra's own nanometres; more would only repeat them.
-  environmentNodes: (value) => Math.round(within(OWNER, 'environmentNodes', value, 1, 401)),
+  environmentNodes: (owner, value) => Math.round(within(owner, 'environmentNodes', value, 1, 401)),
 }
