@@ -7,21 +7,15 @@ struct LitSurface {
 	vec3 coatNormal;    // the lacquer's normal: smooth, whatever a normal map does below it
 };
 
-#define LIGHT_COUNT (NUM_POINT_LIGHTS + NUM_SPOT_LIGHTS + NUM_SUN_LIGHTS + NUM_DIR_LIGHTS)
-#if LIGHT_COUNT > 0
-uniform float uLightAngularRadii[LIGHT_COUNT];  // rad, in the order of three's loop: point, spot, sun, directional
-#endif // LIGHT_COUNT
+#include "diffracted-light.glsl"
 
 // Sums over lights and environment.
-vec3 diffractedXyz = vec3(0.0);  // signed: gamut mapping comes once, at the end
 vec3 baseRgb = vec3(0.0);
 vec3 coatRgb = vec3(0.0);
-int lightIndex = 0;
 
 #if LIGHT_COUNT > 0
 void addLight(IncidentLight light, vec3 wo, LitSurface surface) {
-	LightSpectrum spectrum = LightSpectrum(light.color, uLightAngularRadii[lightIndex]);
-	lightIndex++;
+	LightSpectrum spectrum = nextLight(light.color);
 	// A dark light, or one in whose shadow this is, costs nothing.
 	if (!light.visible || light.color == vec3(0.0)) return;
 	vec3 wi = light.direction;

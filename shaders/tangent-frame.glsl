@@ -1,8 +1,9 @@
 // The frame in which a surface states its orientation: tangent along growing u, bitangent on the side of growing v.
-// Needs vViewPosition, vUv and, with USE_TANGENT, vTangent and vHandedness.
-#ifdef USE_TANGENT
+// Needs vViewPosition, vUv and, with USE_TANGENT, vTangent and vHandedness; a layer has no vertex stage to bring them.
+#if defined(USE_TANGENT) && !defined(LAYER)
+#define STATED_TANGENT
 varying float vHandedness;
-#endif // USE_TANGENT
+#endif // STATED_TANGENT
 
 // Any unit vector at right angles to the unit vector n, without a branch that two neighbouring pixels take
 // differently in the hemisphere that faces the viewer: there n.z > 0.
@@ -24,7 +25,7 @@ vec3 anyPerpendicular(vec3 n) {
 // p'(ξ) = 1 − p(−ξ), whose Fourier coefficients are the conjugates of p's but for a phase: the same order
 // efficiencies, so the table of the front holds for the back, blazed profiles included.
 mat3 surfaceFrame(vec3 normal, float faceDirection) {
-	#ifdef USE_TANGENT
+	#ifdef STATED_TANGENT
 	vec3 alongU = vTangent;
 	float handedness = vHandedness;
 	#else
@@ -36,7 +37,7 @@ mat3 surfaceFrame(vec3 normal, float faceDirection) {
 	// handedness of the uv; the determinant itself, tiny at a distance, is never divided by.
 	float handedness = sign(dUVdx.x * dUVdy.y - dUVdy.x * dUVdx.y);
 	vec3 alongU = handedness * (dPdx * dUVdy.y - dPdy * dUVdx.y);
-	#endif // USE_TANGENT
+	#endif // STATED_TANGENT
 
 	vec3 tangent = alongU - dot(alongU, normal) * normal;
 	float length2 = dot(tangent, tangent);
@@ -49,16 +50,16 @@ mat3 surfaceFrame(vec3 normal, float faceDirection) {
 	#if defined(DOUBLE_SIDED)
 	tangent *= faceDirection;
 	bitangent *= faceDirection;
-	#ifdef USE_TANGENT
+	#ifdef STATED_TANGENT
 	// The handedness was stated for the outward normal, which the back face has turned round.
 	bitangent *= faceDirection;
-	#endif // USE_TANGENT
+	#endif // STATED_TANGENT
 	#elif defined(FLIP_SIDED)
 	tangent = -tangent;
 	bitangent = -bitangent;
-	#ifdef USE_TANGENT
+	#ifdef STATED_TANGENT
 	bitangent = -bitangent;
-	#endif // USE_TANGENT
+	#endif // STATED_TANGENT
 	#endif // DOUBLE_SIDED, FLIP_SIDED
 
 	return mat3(tangent, bitangent, normal);

@@ -1,4 +1,10 @@
 export { DiffractionError, type DiffractionErrorDetails } from './errors.ts'
+export {
+  diffractionLayer,
+  type DiffractionLayer,
+  type DiffractionLayerOptions,
+  type DiffractionLayerSettings,
+} from './layer/diffraction-layer.ts'
 export { loadSharedMap } from './maps/cache.ts'
 export { loadMap, valuesOf, type LoadedMap, type MapArray } from './maps/load.ts'
 export { DiffractionMaterial } from './materials/DiffractionMaterial.ts'

@@ -80,7 +80,7 @@ function triple(values: Float32Array, index: number): Vector {
   return [values[index]!, values[index + 1]!, values[index + 2]!]
 }
 
-function floats(base64: string): Float32Array {
+export function floats(base64: string): Float32Array {
   const bytes = Buffer.from(base64, 'base64')
   return new Float32Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength))
 }

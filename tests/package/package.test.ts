@@ -27,6 +27,7 @@ const LIMITS = {
   /** What each further export adds. */
   Foil: 8000,
   HeightField: 8000,
+  diffractionLayer: 1800,
   ProgressiveRefinement: 1500,
   /** The maps that a material with a grating loads. */
   maps: 150_000,
@@ -150,6 +151,7 @@ it('is no larger than its limits', async () => {
     png: later.png,
     Foil: await added('Foil'),
     HeightField: await added('HeightField'),
+    diffractionLayer: await added('diffractionLayer'),
     ProgressiveRefinement: await added('ProgressiveRefinement'),
   }
   console.log('Bytes of gzip besides three:', sizes)

@@ -3,7 +3,7 @@ import planarBlur from '../../shaders/planar-blur.frag.glsl?raw'
 import planarEnvironment from '../../shaders/planar-environment.frag.glsl?raw'
 import { gratingShaders } from './grating-shaders.ts'
 import { resolveIncludes } from './include.ts'
-import { environmentShaders } from './material-shaders.ts'
+import { environmentShaders } from './surface-shaders.ts'
 
 /** The fragment stage that fills the layers of shaders/blurred-environment.glsl. */
 export const environmentBlurShader = resolveIncludes(environmentBlur, environmentShaders)

@@ -1,4 +1,5 @@
 import { WebGLRenderer } from 'three'
+import { drawLayer, type LayeredPicture, type LayerRequest } from './layer'
 import { countCompilations } from './recompilation'
 import { reportRefinement } from './refinement'
 import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
@@ -28,6 +29,8 @@ export interface Harness {
   drawVariants: () => Promise<Record<string, string>>
   /** Draws one program with many sets of parameters. */
   drawSets: (program: StabilityProgram, sets: StabilitySet[]) => Promise<StabilityResult[]>
+  /** Draws a scene by a material of three's, with a layer or without. */
+  drawLayer: (request: LayerRequest) => Promise<Transferred<LayeredPicture>>
   /** Counts the programs that a scene with this surface links as it changes. */
   countCompilations: typeof countCompilations
   /** What refining a scene at rest does. */
@@ -76,6 +79,10 @@ window.harness = {
   drawSets: (program, sets) => drawSets(renderer, program, sets),
   drawPlanarFrames: (scene, steps) => drawPlanarFrames(renderer, scene, steps),
   drawVariants,
+  drawLayer: async (request) => {
+    const { pixels, ...rest } = await drawLayer(renderer, request)
+    return { ...rest, pixels: base64(pixels) }
+  },
   countCompilations,
   reportRefinement,
   probeFeatures,

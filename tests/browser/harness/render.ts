@@ -76,7 +76,7 @@ export async function renderScene(
   }
 }
 
-function renderTo(
+export function renderTo(
   renderer: WebGLRenderer,
   { scene, camera }: BuiltScene,
   width: number,

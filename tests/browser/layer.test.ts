@@ -1,0 +1,173 @@
+import { afterAll, beforeAll, describe, expect, it } from 'vitest'
+import type { LayerRequest } from './harness/layer'
+import type { SceneDescription } from './harness/scene-description'
+import { openHarness } from './open-harness.mjs'
+import { floats, readScene, render, type HarnessHandle } from './read-scene'
+
+let harness: HarnessHandle
+
+beforeAll(async () => {
+  harness = await openHarness()
+})
+
+afterAll(async () => {
+  await harness.close()
+})
+
+async function draw(request: LayerRequest): Promise<{
+  pixels: Float32Array
+  linked: number[]
+  cacheKey: string
+  explained: string[]
+}> {
+  const picture = await harness.page.evaluate((what) => window.harness.drawLayer(what), request)
+  return { ...picture, pixels: floats(picture.pixels) }
+}
+
+/** The largest difference of two pictures, over the largest number of the second. */
+function difference(a: Float32Array, b: Float32Array): number {
+  expect(a.length).toBe(b.length)
+  let [most, peak] = [0, 0]
+  for (let i = 0; i < a.length; i++) {
+    most = Math.max(most, Math.abs(a[i]! - b[i]!))
+    if (i % 4 < 3) peak = Math.max(peak, Math.abs(b[i]!))
+  }
+  expect(peak).toBeGreaterThan(0)
+  return most / peak
+}
+
+const small = async (name: string): Promise<SceneDescription> => ({
+  ...(await readScene(name)),
+  size: [64, 64],
+})
+
+/** A sphere under one light, whose material reflects it as three has it. */
+const ball: SceneDescription = {
+  size: [48, 48],
+  camera: { position: [0, 0, 4], fov_deg: 32 },
+  mesh: { kind: 'sphere', radius: 1 },
+  surface: { kind: 'grating', period: 1.6, height: 0.1 },
+  lights: [{ kind: 'directional', direction: [0.3, 0.1, 1], angularRadius: 0.02 }],
+}
+
+describe('a layer of full strength', () => {
+  it.each([
+    'plane-directional',
+    'plane-flash-tinted',
+    'sphere-three-lights',
+    'environment-studio',
+    'flat-grating-rough',
+    'height-field-bumps',
+  ])('shows what DiffractionMaterial shows: %s', async (name) => {
+    const scene = await small(name)
+    const settings = (scene.material ?? {}) as LayerRequest['layer'] & object
+    const { pixels, explained } = await draw({
+      scene,
+      base: 'standard',
+      parameters: { color: [1, 0.3, 0.1], emissive: [0.2, 0.1, 0.3] },
+      layer: settings,
+    })
+    expect(explained).toContain('diffraction')
+    expect(difference(pixels, (await render(harness, scene)).radiance)).toBeLessThan(1e-5)
+    expect(harness.complaints).toEqual([])
+  })
+
+  it('leaves the base where a foil does not diffract', async () => {
+    const scene: SceneDescription = {
+      ...(await small('plane-directional')),
+      surface: { kind: 'foil', map: '/maps/baked/foil-logo' },
+    }
+    const parameters = { color: [0.7, 0.2, 0.1] as [number, number, number], roughness: 0.8 }
+    const base = (await draw({ scene, base: 'standard', parameters })).pixels
+    const both = (await draw({ scene, base: 'standard', parameters, layer: {} })).pixels
+    const bare = { scene, base: 'standard', parameters, layer: { strength: 0 } } as const
+    expect(difference((await draw(bare)).pixels, base)).toBeLessThan(1e-6)
+    // DiffractionMaterial tells what diffracts: over a black base, and what it leaves of a white one.
+    const light = await render(harness, { ...scene, material: { color: [0, 0, 0] } })
+    const white = await render(harness, { ...scene, material: { color: [1, 1, 1] } })
+    const lambert = 1 / Math.PI / Math.hypot(0.35, 1)
+    const left = white.radiance.map((value, i) => (value - light.radiance[i]!) / lambert)
+    const expected = base.map((value, i) => {
+      if (i % 4 === 3) return value
+      return value * left[i]! + light.radiance[i]!
+    })
+    expect(difference(both, expected)).toBeLessThan(1e-5)
+    const shares = light.covered.map((pixel) => 1 - left[4 * pixel]!)
+    expect(Math.max(...shares)).toBeGreaterThan(0.9)
+    expect(Math.min(...shares)).toBeLessThan(0.01)
+  })
+})
+
+it('mixes with the base by its strength', async () => {
+  const request: LayerRequest = {
+    scene: ball,
+    base: 'standard',
+    parameters: { color: [0.8, 0.4, 0.2], roughness: 0.6, metalness: 0.3, emissive: [0.1, 0, 0.2] },
+  }
+  const base = (await draw(request)).pixels
+  const whole = (await draw({ ...request, layer: {} })).pixels
+  const part = (await draw({ ...request, layer: { strength: 0.3 } })).pixels
+  const expected = base.map((value, i) => (i % 4 === 3 ? value : 0.7 * value + 0.3 * whole[i]!))
+  expect(difference(part, expected)).toBeLessThan(1e-6)
+})
+
+it('lies under a clearcoat, which takes its share once and adds its own light', async () => {
+  const scene: SceneDescription = { ...ball, environment: { constant: [0.5, 0.5, 0.5] } }
+  const coated = {
+    clearcoat: 1,
+    clearcoatRoughness: 0.2,
+    roughness: 1,
+    color: [0, 0, 0] as [number, number, number],
+    specularIntensity: 0,
+  }
+  const layer = (
+    await draw({ scene, base: 'physical', parameters: { ...coated, clearcoat: 0 }, layer: {} })
+  ).pixels
+  const coat = (await draw({ scene, base: 'physical', parameters: coated })).pixels
+  const both = (await draw({ scene, base: 'physical', parameters: coated, layer: {} })).pixels
+  const middle = 4 * (24 * 48 + 24)
+  // Seen along the normal: Fresnel's 0.04 of an index of 1.5.
+  for (const channel of [0, 1, 2])
+    expect(both[middle + channel]).toBeCloseTo(
+      0.96 * layer[middle + channel]! + coat[middle + channel]!,
+      3,
+    )
+  expect(coat[middle]).toBeGreaterThan(0.01)
+})
+
+describe('hooks of others', () => {
+  it.each(['before', 'after', 'around'] as const)('work if they are set %s', async (hook) => {
+    const request: LayerRequest = { scene: ball, base: 'standard', layer: {} }
+    const plain = (await draw(request)).pixels
+    const hooked = (await draw({ ...request, hook })).pixels
+    const expected = plain.map((value, i) => (i % 4 === 0 ? 0.5 * value : value))
+    expect(difference(hooked, expected)).toBeLessThan(1e-6)
+  })
+
+  it('stay when the layer goes, and the material is as it was', async () => {
+    for (const hook of [undefined, 'before', 'after', 'around'] as const) {
+      const request: LayerRequest = {
+        scene: ball,
+        base: 'standard',
+        parameters: { roughness: 0.4 },
+      }
+      const set = hook && { hook }
+      const without = await draw({ ...request, ...(hook && { hook: 'before' }) })
+      const removed = await draw({ ...request, ...set, layer: {}, removed: true })
+      expect(removed.pixels, hook).toEqual(without.pixels)
+      if (hook !== 'around') expect(removed.cacheKey).toBe(without.cacheKey)
+    }
+  })
+})
+
+it('is compiled once, and not again while nothing changes', async () => {
+  const scene: SceneDescription = { ...ball, environment: { constant: [1, 1, 1] } }
+  const { linked } = await draw({
+    scene,
+    base: 'physical',
+    parameters: { clearcoat: 1 },
+    layer: { roughness: 0.02 },
+    frames: 5,
+  })
+  expect(linked.slice(2)).toEqual([0, 0, 0])
+})
