@@ -4,6 +4,7 @@ import { countCompilations } from './recompilation'
 import { reportRefinement } from './refinement'
 import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
+import { countResources, drawRestored, type RestoredReport } from './resources'
 import type { SceneDescription } from './scene-description'
 import {
   drawSets,
@@ -33,6 +34,12 @@ export interface Harness {
   drawLayer: (request: LayerRequest) => Promise<Transferred<LayeredPicture>>
   /** Counts the programs that a scene with this surface links as it changes. */
   countCompilations: typeof countCompilations
+  /** Counts WebGL's objects while a surface is drawn, and after. */
+  countResources: typeof countResources
+  /** Pictures before a context is lost and after it is restored. */
+  drawRestored: (
+    ...request: Parameters<typeof drawRestored>
+  ) => Promise<Transferred<RestoredReport>>
   /** What refining a scene at rest does. */
   reportRefinement: typeof reportRefinement
   /** Draws frames of one scene, one for each step. */
@@ -84,6 +91,11 @@ window.harness = {
     return { ...rest, pixels: base64(pixels) }
   },
   countCompilations,
+  countResources,
+  drawRestored: async (...request) => {
+    const { before, after, lit } = await drawRestored(...request)
+    return { before: base64(before), after: base64(after), lit }
+  },
   reportRefinement,
   probeFeatures,
 }
