@@ -13,7 +13,7 @@ export default defineConfig(
   },
   {
     // Run inside the page by the drivers of the browser tests.
-    files: ['tests/**/*.mjs', 'demo/**/*.js'],
+    files: ['tests/**/*.mjs', 'tests/package/consumers/*.js', 'demo/**/*.js'],
     languageOptions: { globals: globals.browser },
   },
   {
