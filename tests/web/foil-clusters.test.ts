@@ -1,5 +1,6 @@
 import { DataUtils } from 'three'
 import { describe, expect, it } from 'vitest'
+import { atOnce } from '../../web/steps'
 import { foilClusters, type FoilClusters } from '../../web/surfaces/foil-clusters'
 import type { FoilGratings } from '../../web/surfaces/foil-gratings'
 
@@ -45,7 +46,7 @@ function strengthOf({ count, texture }: FoilClusters, cell: number): number {
 describe('the clusters of a foil', () => {
   it('show a texel of one grating as that grating, without spread', () => {
     const foil = turning(200)
-    const clusters = foilClusters(foil, 32, 256)
+    const clusters = atOnce(foilClusters(foil, 32, 256))
     for (const texel of [0, 37, 111, 199]) {
       const parts = partsOf(clusters, texel).filter(({ share }) => share > 0)
       expect(parts.length).toBeLessThan(6)
@@ -61,7 +62,7 @@ describe('the clusters of a foil', () => {
   })
 
   it('make an even spread of orientations even', () => {
-    const clusters = foilClusters(turning(2560), 32, 64)
+    const clusters = atOnce(foilClusters(turning(2560), 32, 64))
     const cells = Array.from({ length: 64 }, (_, cell) => partsOf(clusters, cell))
     const parts = cells[0]!.map((first, i) => {
       const sum = (of: 'share' | 'turn' | 'change' | 'squares') =>
@@ -89,7 +90,7 @@ describe('the clusters of a foil', () => {
   it('hold the means of what is in a cell, texels without a grating among it', () => {
     const foil = turning(512)
     foil.numberAt[1] = -1
-    const clusters = foilClusters(foil, 32, 256)
+    const clusters = atOnce(foilClusters(foil, 32, 256))
     for (const [cell, strength] of [0.25, 0.5].entries()) {
       const sum = partsOf(clusters, cell).reduce((total, { share }) => total + share, 0)
       expect(sum).toBeCloseTo(strength, 3)
@@ -100,7 +101,7 @@ describe('the clusters of a foil', () => {
   it('keep periods apart that differ', () => {
     const foil = turning(400)
     const frequency = foil.frequency.map((_, i) => (i % 2 === 0 ? 0.5 : 0.9))
-    const clusters = foilClusters({ ...foil, frequency }, 64, 256)
+    const clusters = atOnce(foilClusters({ ...foil, frequency }, 64, 256))
     expect(clusters.reach.y).toBeLessThan(0.1)
   })
 })

@@ -1,5 +1,6 @@
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { loadMap } from '../../web/maps/load'
+import { atOnce } from '../../web/steps'
 import { foilGratings } from '../../web/surfaces/foil-gratings'
 import { foilShares } from '../../web/surfaces/foil-shares'
 import { fakeFoil, filesOf, serveFiles } from './fake-maps'
@@ -15,7 +16,7 @@ const ACROSS = [0, 128]
 async function sharesOf(width: number, height: number, texels: number[][]) {
   const foil = fakeFoil(Uint8Array.from(texels.flat()), [width, height])
   serveFiles(filesOf({ 'maps/foil': foil }))
-  return foilShares(foilGratings(await loadMap('maps/foil')))
+  return atOnce(foilShares(atOnce(foilGratings(await loadMap('maps/foil')))))
 }
 
 describe('the shares of a foil', () => {

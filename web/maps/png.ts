@@ -1,4 +1,5 @@
 import { DiffractionError } from '../errors.ts'
+import { bitByBit, type Steps } from '../steps.ts'
 import { readAtMost } from './streams.ts'
 
 const SIGNATURE = [0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]
@@ -49,7 +50,7 @@ export async function decodePng(
   )
   if (filtered?.length !== expectedLength)
     return refuse('IDAT bytes', filtered?.length ?? 'more', `${expectedLength} after inflation`)
-  return unfilter(file, filtered, width, height)
+  return bitByBit(unfilter(file, filtered, width, height))
 }
 
 function readChunks(file: string, bytes: Uint8Array): { type: string; data: Uint8Array }[] {
@@ -81,10 +82,17 @@ function inflate(parts: Uint8Array[], most: number): Promise<Uint8Array | undefi
   return readAtMost(stream, most)
 }
 
-function unfilter(file: string, filtered: Uint8Array, width: number, height: number): Uint8Array {
+/** Row by row. */
+function* unfilter(
+  file: string,
+  filtered: Uint8Array,
+  width: number,
+  height: number,
+): Steps<Uint8Array> {
   const stride = width * CHANNELS
   const pixels = new Uint8Array(height * stride)
   for (let row = 0; row < height; row++) {
+    yield
     const source = row * (stride + 1)
     const target = row * stride
     const filter = filtered[source]!

@@ -1,4 +1,5 @@
 import { DataUtils, LinearMipmapNearestFilter, Vector2, type DataArrayTexture } from 'three'
+import type { Steps } from '../steps.ts'
 import type { FoilGratings } from './foil-gratings.ts'
 import { averagedLayers } from './averaged-layers.ts'
 
@@ -9,6 +10,9 @@ const ITERATIONS = 12
 const OVERLAP = 0.5
 /** A grating's smaller parts are left to its other clusters. */
 const SMALLEST_WEIGHT = 0.02
+
+/** Gratings that are looked at before work may be left. */
+const AT_ONCE = 512
 
 /** Gratings that are much alike, in clusters that overlap. */
 export interface FoilClusters {
@@ -42,20 +46,28 @@ type Point = readonly [number, number]
  * @param count - clusters
  * @param mostCells - along the longer side of the map
  */
-export function foilClusters(foil: FoilGratings, count: number, mostCells: number): FoilClusters {
+export function* foilClusters(
+  foil: FoilGratings,
+  count: number,
+  mostCells: number,
+): Steps<FoilClusters> {
   const points = foil.θ.map((θ, i): Point => {
     // Alike where orientations are, which are known modulo π.
     const frequency = foil.frequency[i]!
     return [frequency * Math.cos(2 * θ), frequency * Math.sin(2 * θ)]
   })
-  const centres = clusterCentres(points, count)
+  const centres = yield* clusterCentres(points, count)
   const deviation = OVERLAP * typicalGap(centres)
   const clusters = centres.map(([x, y]) => ({
     θ: Math.atan2(y, x) / 2,
     frequency: Math.hypot(x, y),
   }))
-  const parts = points.map((point, i) =>
-    weights(point, centres, deviation).map(([cluster, weight]): Part => {
+  const parts: Part[][] = []
+  // Not 0, by which the moments are divided.
+  const reach = new Vector2(1e-6, 1e-6)
+  for (const [i, point] of points.entries()) {
+    if (i % AT_ONCE === 0) yield
+    const ofPoint = weights(point, centres, deviation).map(([cluster, weight]): Part => {
       const { θ, frequency } = clusters[cluster]!
       const turn = foil.θ[i]! - θ
       return {
@@ -64,26 +76,29 @@ export function foilClusters(foil: FoilGratings, count: number, mostCells: numbe
         turn: turn - Math.PI * Math.round(turn / Math.PI),
         change: foil.frequency[i]! - frequency,
       }
-    }),
-  )
-  // Not 0, by which the moments are divided.
-  const reach = new Vector2(1e-6, 1e-6)
-  for (const { turn, change } of parts.flat())
-    reach.set(Math.max(reach.x, Math.abs(turn)), Math.max(reach.y, Math.abs(change)))
+    })
+    parts.push(ofPoint)
+    for (const { turn, change } of ofPoint)
+      reach.set(Math.max(reach.x, Math.abs(turn)), Math.max(reach.y, Math.abs(change)))
+  }
   const squares = clusters.map(() => ({ turn: 0, change: 0 }))
-  for (const { cluster, weight, turn, change } of parts.flat()) {
-    squares[cluster]!.turn += weight * (turn / reach.x) ** 2
-    squares[cluster]!.change += weight * (change / reach.y) ** 2
+  for (const [i, ofPoint] of parts.entries()) {
+    if (i % AT_ONCE === 0) yield
+    for (const { cluster, weight, turn, change } of ofPoint) {
+      squares[cluster]!.turn += weight * (turn / reach.x) ** 2
+      squares[cluster]!.change += weight * (change / reach.y) ** 2
+    }
   }
   const texels = clusters.flatMap(({ θ, frequency }, i) => {
     const { turn, change } = squares[i]!
     return [Math.cos(θ), Math.sin(θ), frequency, turn / Math.max(turn + change, 1e-12)]
   })
-  return { count, reach, texture: clusterTexture(foil, parts, texels, reach, mostCells) }
+  const texture = yield* clusterTexture(foil, parts, texels, reach, mostCells)
+  return { count, reach, texture }
 }
 
 /** Centres of clusters, each the mean of what is closer to it than to any other. */
-function clusterCentres(points: readonly Point[], count: number): Point[] {
+function* clusterCentres(points: readonly Point[], count: number): Steps<Point[]> {
   const step = Math.ceil(points.length / MOST_SAMPLES)
   const samples = points.filter((_, i) => i % step === 0)
   // To begin with, each is what is furthest from all before it.
@@ -97,10 +112,12 @@ function clusterCentres(points: readonly Point[], count: number): Point[] {
       if (gaps[i] > gaps[furthest]!) furthest = i
     })
     centres.push(samples[furthest]!)
+    yield
   }
   for (let iteration = 0; iteration < ITERATIONS; iteration++) {
     const sums = centres.map(() => ({ x: 0, y: 0, frequency: 0, count: 0 }))
-    for (const point of samples) {
+    for (const [i, point] of samples.entries()) {
+      if (i % AT_ONCE === 0) yield
       const sum = sums[nearest(point, centres)]!
       sum.x += point[0]
       sum.y += point[1]
@@ -151,13 +168,13 @@ function weights(point: Point, centres: readonly Point[], deviation: number): [n
 }
 
 /** Means over the cells that the map is divided into, as half floats. */
-function clusterTexture(
+function* clusterTexture(
   { width, height, numberAt, strengthAt }: FoilGratings,
   parts: readonly (readonly Part[])[],
   centres: readonly number[],
   reach: Vector2,
   mostCells: number,
-): DataArrayTexture {
+): Steps<DataArrayTexture> {
   const scale = Math.min(mostCells / Math.max(width, height), 1)
   const columns = Math.max(Math.round(scale * width), 1)
   const rows = Math.max(Math.round(scale * height), 1)
@@ -165,11 +182,12 @@ function clusterTexture(
   const count = centres.length / 4
   const sums = new Float32Array(4 * (count + 2) * cells)
   const texels = new Float32Array(cells)
-  numberAt.forEach((number, texel) => {
+  for (const [texel, number] of numberAt.entries()) {
+    if (texel % width === 0) yield
     const row = Math.floor((Math.floor(texel / width) * rows) / height)
     const cell = row * columns + Math.floor(((texel % width) * columns) / width)
     texels[cell]!++
-    if (number < 0) return
+    if (number < 0) continue
     for (const { cluster, weight, turn, change } of parts[number]!) {
       const share = weight * strengthAt[texel]!
       const [x, y] = [turn / reach.x, change / reach.y]
@@ -180,14 +198,16 @@ function clusterTexture(
       sums[at + 3]! += share * (x * x + y * y)
     }
     sums[4 * (count * cells + cell)]! += strengthAt[texel]!
-  })
+  }
   // There is a texel for each: clusters are no more than gratings, and these no more than texels.
   centres.forEach((number, i) => {
     sums[4 * (count + 1) * cells + i] = number * texels[(i >> 2) % cells]!
   })
   // Most are zero: a loop that passes over them takes a tenth of the time of Uint16Array.from().
   const means = new Uint16Array(sums.length)
-  for (let i = 0; i < sums.length; i++)
+  for (let i = 0; i < sums.length; i++) {
+    if (i % (4 * cells) === 0) yield
     if (sums[i] !== 0) means[i] = DataUtils.toHalfFloat(sums[i]! / texels[(i >> 2) % cells]!)
+  }
   return averagedLayers(means, columns, rows, count + 2, LinearMipmapNearestFilter)
 }

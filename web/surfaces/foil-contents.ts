@@ -1,4 +1,5 @@
 import type { LoadedMap } from '../maps/load.ts'
+import { atOnce, type Steps } from '../steps.ts'
 import { foilClusters, type FoilClusters } from './foil-clusters.ts'
 import { foilGratings, type FoilGratings } from './foil-gratings.ts'
 import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares.ts'
@@ -18,49 +19,54 @@ export type FoilMean =
   | ({ kind: 'shares' } & FoilShares)
   | { kind: 'clusters'; underLights: FoilClusters; underEnvironment: () => FoilClusters }
 
-/** What all foils that show a map have in common, made when the first asks for it. */
-export class FoilContents {
-  static readonly #made = new WeakMap<LoadedMap, FoilContents>()
+/** What all foils that show a map have in common. */
+export interface FoilContents {
   /** Whether all of the foil diffracts. */
-  readonly isWhole: boolean
-  readonly #gratings: FoilGratings
-  #mean: FoilMean | null = null
+  isWhole: boolean
+  /** Null where nothing on the map diffracts, or it was not asked for. */
+  mean: FoilMean | null
+}
 
-  private constructor(
-    map: LoadedMap,
-    private readonly periods: readonly [number, number],
-  ) {
-    this.#gratings = foilGratings(map)
-    this.isWhole = this.#gratings.isWhole
+/** What was made of a map, once for all who ask. */
+const made = new WeakMap<LoadedMap, { gratings: FoilGratings; mean?: FoilMean | null }>()
+
+/**
+ * The contents of a map.
+ *
+ * @param periods - shortest and longest on the map, µm
+ * @param isFiltered - whether the mean is asked for
+ */
+export function* foilContents(
+  map: LoadedMap,
+  periods: readonly [number, number],
+  isFiltered: boolean,
+): Steps<FoilContents> {
+  const gratings = made.get(map)?.gratings ?? (yield* foilGratings(map))
+  // Another foil may have been first, while this one waited.
+  const known = made.get(map) ?? { gratings }
+  made.set(map, known)
+  if (isFiltered && known.mean === undefined) {
+    const mean = yield* foilMean(known.gratings, periods)
+    known.mean ??= mean
   }
+  return { isWhole: gratings.isWhole, mean: isFiltered ? known.mean! : null }
+}
 
-  /** @param periods - shortest and longest on the map, µm */
-  static of(map: LoadedMap, periods: readonly [number, number]): FoilContents {
-    let contents = this.#made.get(map)
-    if (contents === undefined) this.#made.set(map, (contents = new FoilContents(map, periods)))
-    return contents
-  }
-
-  /** Null where nothing on the map diffracts. */
-  get mean(): FoilMean | null {
-    const count = this.#gratings.θ.length
-    if (count === 0) return null
-    return (this.#mean ??=
-      count <= MOST_GRATINGS
-        ? { kind: 'shares', ...foilShares(this.#gratings) }
-        : this.#clusters(count))
-  }
-
-  #clusters(count: number): FoilMean {
-    const { underLights, underEnvironment } = CLUSTERS
-    const most = isOnePeriod(this.periods) ? underLights.onePeriod : underLights.periods
-    let arcs: FoilClusters | undefined
-    return {
-      kind: 'clusters',
-      underLights: foilClusters(this.#gratings, Math.min(count, most), underLights.cells),
-      underEnvironment: () =>
-        (arcs ??= foilClusters(this.#gratings, underEnvironment.clusters, underEnvironment.cells)),
-    }
+function* foilMean(
+  gratings: FoilGratings,
+  periods: readonly [number, number],
+): Steps<FoilMean | null> {
+  const count = gratings.θ.length
+  if (count === 0) return null
+  if (count <= MOST_GRATINGS) return { kind: 'shares', ...(yield* foilShares(gratings)) }
+  const { underLights, underEnvironment } = CLUSTERS
+  const most = Math.min(count, isOnePeriod(periods) ? underLights.onePeriod : underLights.periods)
+  let arcs: FoilClusters | undefined
+  return {
+    kind: 'clusters',
+    underLights: yield* foilClusters(gratings, most, underLights.cells),
+    underEnvironment: () =>
+      (arcs ??= atOnce(foilClusters(gratings, underEnvironment.clusters, underEnvironment.cells))),
   }
 }
 

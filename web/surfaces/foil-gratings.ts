@@ -1,4 +1,5 @@
 import { arrayOf, valuesOf, type LoadedMap } from '../maps/load.ts'
+import type { Steps } from '../steps.ts'
 
 /** The different gratings of a foil's map, and which of them lies where. */
 export interface FoilGratings {
@@ -17,31 +18,35 @@ export interface FoilGratings {
   isWhole: boolean
 }
 
-export function foilGratings(map: LoadedMap): FoilGratings {
-  const array = arrayOf(map, 'grating')
-  const [height, width] = array.spec.shape as [number, number]
-  const values = valuesOf(array)
+/** Looked at row by row. */
+export function* foilGratings(map: LoadedMap): Steps<FoilGratings> {
+  const { spec, data } = arrayOf(map, 'grating')
+  const [height, width] = spec.shape as [number, number]
   const numbers = new Map<string, number>()
   const θ: number[] = []
   const frequency: number[] = []
   const numberAt = new Int32Array(width * height).fill(-1)
   const strengthAt = new Float32Array(width * height)
-  for (let texel = 0; texel < numberAt.length; texel++) {
-    const cos2 = values[4 * texel]!
-    const sin2 = values[4 * texel + 1]!
-    const grooves = values[4 * texel + 2]!
-    const strength = values[4 * texel + 3]!
-    if (!(strength > 0 && grooves > 0)) continue
-    const key = `${cos2},${sin2},${grooves}`
-    let number = numbers.get(key)
-    if (number === undefined) {
-      numbers.set(key, (number = θ.length))
-      θ.push(Math.atan2(sin2, cos2) / 2)
-      frequency.push(grooves)
+  for (let row = 0; row < height; row++) {
+    const values = valuesOf({ spec, data: data.subarray(4 * width * row, 4 * width * (row + 1)) })
+    const start = (height - 1 - row) * width
+    for (let column = 0; column < width; column++) {
+      const cos2 = values[4 * column]!
+      const sin2 = values[4 * column + 1]!
+      const grooves = values[4 * column + 2]!
+      const strength = values[4 * column + 3]!
+      if (!(strength > 0 && grooves > 0)) continue
+      const key = `${cos2},${sin2},${grooves}`
+      let number = numbers.get(key)
+      if (number === undefined) {
+        numbers.set(key, (number = θ.length))
+        θ.push(Math.atan2(sin2, cos2) / 2)
+        frequency.push(grooves)
+      }
+      numberAt[start + column] = number
+      strengthAt[start + column] = strength
     }
-    const at = (height - 1 - Math.floor(texel / width)) * width + (texel % width)
-    numberAt[at] = number
-    strengthAt[at] = strength
+    yield
   }
   const isWhole = strengthAt.every((strength) => strength >= 1)
   return { θ, frequency, width, height, numberAt, strengthAt, isWhole }

@@ -1,4 +1,5 @@
 import { LinearMipmapLinearFilter, Vector3, type DataArrayTexture } from 'three'
+import type { Steps } from '../steps.ts'
 import { averagedLayers } from './averaged-layers.ts'
 import type { FoilGratings } from './foil-gratings.ts'
 
@@ -14,15 +15,23 @@ export interface FoilShares {
 }
 
 /** The shares of a foil of at most {@link MOST_GRATINGS} gratings. */
-export function foilShares({ θ, frequency, width, height, ...at }: FoilGratings): FoilShares {
+export function* foilShares({
+  θ,
+  frequency,
+  width,
+  height,
+  ...at
+}: FoilGratings): Steps<FoilShares> {
   const gratings = θ.map((angle, i) => new Vector3(Math.cos(angle), Math.sin(angle), frequency[i]))
   const layers = Math.ceil(gratings.length / 4)
   const texels = new Uint8Array(4 * layers * width * height)
-  at.numberAt.forEach((number, texel) => {
-    if (number < 0) return
+  for (let texel = 0; texel < at.numberAt.length; texel++) {
+    if (texel % width === 0) yield
+    const number = at.numberAt[texel]!
+    if (number < 0) continue
     const place = Math.floor(number / 4) * height * width + texel
     texels[4 * place + (number % 4)] = Math.round(255 * at.strengthAt[texel]!)
-  })
+  }
   return {
     gratings,
     texture: averagedLayers(texels, width, height, layers, LinearMipmapLinearFilter),

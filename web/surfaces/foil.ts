@@ -8,7 +8,8 @@ import { loadSharedMap } from '../maps/cache.ts'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load.ts'
 import { imageTexture, smoothImageTexture } from '../maps/image-texture.ts'
 import { floatLiteral } from '../glsl/float-literal.ts'
-import { CLUSTERS, FoilContents, isOnePeriod, type FoilMean } from './foil-contents.ts'
+import { atOnce, bitByBit } from '../steps.ts'
+import { CLUSTERS, foilContents, isOnePeriod, type FoilMean } from './foil-contents.ts'
 import { MOST_GRATINGS } from './foil-shares.ts'
 import { GratingSurface } from './grating-surface.ts'
 import type { Optics, OpticsSettings } from './surface.ts'
@@ -48,7 +49,10 @@ export class Foil extends GratingSurface {
 
   /** Loads the map at an address without extension, as in `maps/baked/foil-dots`. */
   static async load(url: string, options: FoilOptions = {}): Promise<Foil> {
-    return new Foil(await loadSharedMap(url), options)
+    const map = expectKind(await loadSharedMap(url), 'foil')
+    // Some of a foil takes long to look at: before it is made, in between frames.
+    await bitByBit(foilContents(map, periodsOf(map), options.filtered ?? true))
+    return new Foil(map, options)
   }
 
   constructor(map: LoadedMap, options: FoilOptions = {}) {
@@ -74,10 +78,10 @@ export class Foil extends GratingSurface {
     }
     this.repeat = this.uniforms.uFoilRepeat.value
     this.filtered = options.filtered ?? true
-    const contents = FoilContents.of(map, this.periodRange)
+    const contents = atOnce(foilContents(map, this.periodRange, this.filtered))
     this.isPartial = !contents.isWhole
-    this.#mean = this.filtered ? contents.mean : null
-    const mean = this.#mean
+    const { mean } = contents
+    this.#mean = mean
     const [low, high] = [1 / this.periodRange[1], 1 / this.periodRange[0]]
     this.frequencyReach = mean?.kind === 'clusters' ? (high - low) / 2 : 0
     this.mapRead =
