@@ -31,6 +31,7 @@ import { PLANAR_TEXELS } from '../environment/planar-table.ts'
 import type { DiffractionError } from '../errors.ts'
 import { floatLiteral } from '../glsl/float-literal.ts'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders.ts'
+import type { LoadedMap } from '../maps/load.ts'
 import { refinementFrame, type RefinementFrame } from '../refinement/refinement-frame.ts'
 import type {
   Efficiencies,
@@ -91,8 +92,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   readonly #settings: OpticsSettings = { ...DEFAULT_SETTINGS }
-  /** Names of the settings that were given; no choice touches them. */
-  readonly #given = new Set<string>()
+  /** Names of the settings that were given. */
+  readonly #given = new Set<keyof OpticsSettings>()
   #maxError: number | null = null
   #errorFeatures: readonly Feature[] = []
   readonly #optics: OpticsLoader
@@ -134,7 +135,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   constructor(options: DiffractionMaterialOptions) {
     super()
     assertLightLoops()
-    const { surface, mapsPath = 'maps/baked/', ...values } = options
+    const { surface, mapsPath = 'maps/baked/', maps = {}, ...values } = options
     this.#surface = surface
     this.#takeDefaults()
     this.#mapsPath = mapsPath
@@ -145,6 +146,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       (error) => {
         this.#fail(error)
       },
+      maps,
     )
     this.lights = true
     this.fog = true
@@ -180,6 +182,11 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   get mapsPath(): string {
     return this.#mapsPath
+  }
+
+  /** Maps that are taken in the place of what their addresses would fetch. */
+  get maps(): Readonly<Record<string, LoadedMap>> {
+    return this.#optics.maps
   }
 
   get metal(): Metal {
@@ -264,6 +271,11 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   set environmentNodes(value: number) {
     this.#set('environmentNodes', value)
+  }
+
+  /** Names of the settings that were given; where `maxError` is, it chooses the others. */
+  get given(): ReadonlySet<keyof OpticsSettings> {
+    return this.#given
   }
 
   /**
@@ -422,10 +434,11 @@ export class DiffractionMaterial extends ShaderMaterial {
     for (const { value } of Object.values(this.#surface.uniforms)) disposeTexture(value)
   }
 
-  /** Shares surface and tables with the source, and copies the rest. */
+  /** Shares surface, maps and tables with the source, and copies the rest. */
   override copy(source: this): this {
     // Not ShaderMaterial's, which would clone every table's texture.
     Material.prototype.copy.call(this, source)
+    this.#optics.maps = source.maps
     this.surface = source.surface
     this.setValues(source.#options())
     this.#given.clear()
@@ -435,8 +448,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   override clone(): this {
-    const clone = new DiffractionMaterial({ surface: this.#surface, mapsPath: this.#mapsPath })
-    return clone.copy(this) as this
+    const { surface, mapsPath, maps } = this
+    return new DiffractionMaterial({ surface, mapsPath, maps }).copy(this) as this
   }
 
   #options(): MaterialParameters & Omit<DiffractionMaterialOptions, 'surface' | 'mapsPath'> {
