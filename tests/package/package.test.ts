@@ -24,6 +24,8 @@ const LIMITS = {
   Foil: 8000,
   HeightField: 8000,
   ProgressiveRefinement: 1500,
+  /** Both plugins, to the material and its surfaces. */
+  gltf: 7000,
   /** The maps that a material with a grating loads. */
   maps: 150_000,
 }
@@ -62,7 +64,10 @@ beforeAll(async () => {
 describe('the tarball', () => {
   it('holds what is needed and nothing else', () => {
     expect(files).toEqual(
-      expect.arrayContaining(['LICENSE', 'README.md', 'dist/index.js', 'dist/index.d.ts']),
+      expect.arrayContaining([
+        ...['LICENSE', 'README.md', 'dist/index.js', 'dist/index.d.ts'],
+        ...['dist/gltf/index.js', 'dist/gltf/index.d.ts'],
+      ]),
     )
     expect(files.filter((file) => !SHIPPED.test(file))).toEqual([])
   })
@@ -71,7 +76,7 @@ describe('the tarball', () => {
     for (const file of files.filter((name) => name.endsWith('.js'))) {
       const address = /\n\/\/# sourceMappingURL=(.+)\s*$/.exec(await contentsOf(file))?.[1]
       // A module of nothing but exports has nothing to map.
-      if (address === undefined) expect(file).toBe('dist/index.js')
+      if (address === undefined) expect(file).toMatch(/^dist\/(gltf\/)?index\.js$/)
       else {
         const map = JSON.parse(await contentsOf(join(dirname(file), address))) as {
           sources: string[]
@@ -136,14 +141,17 @@ describe('the tarball', () => {
 })
 
 it('is no larger than its limits', async () => {
-  const material = await bundleSize('DiffractionMaterial', 'Grating')
+  const material = await bundleSize('DiffractionMaterial, Grating')
   const added = async (name: string): Promise<number> =>
-    (await bundleSize('DiffractionMaterial', 'Grating', name)) - material
+    (await bundleSize(`DiffractionMaterial, Grating, ${name}`)) - material
+  const surfaces = 'DiffractionMaterial, Grating, Foil, HeightField'
+  const plugins = 'GLTFDiffractionLoaderPlugin, GLTFDiffractionExporterPlugin'
   const sizes = {
     material,
     Foil: await added('Foil'),
     HeightField: await added('HeightField'),
     ProgressiveRefinement: await added('ProgressiveRefinement'),
+    gltf: (await bundleSize(surfaces, plugins)) - (await bundleSize(surfaces)),
   }
   console.log('Bytes of gzip besides three:', sizes)
   for (const [name, size] of Object.entries(sizes))
@@ -197,14 +205,15 @@ describe('the built material', () => {
 it('is imported where there is neither window nor WebGL', async () => {
   const printed = await runNode(`
     import { DiffractionMaterial, Grating } from 'three-diffraction'
+    import { EXTENSION } from 'three-diffraction/gltf'
     const material = new DiffractionMaterial({
       surface: new Grating({ period: 1.6, height: 0.12 }),
       onError: () => {},
     })
     const error = await material.ready.catch((error) => error)
-    console.log(typeof window, typeof document, material.isShaderMaterial, error.name)
+    console.log(typeof window, typeof document, material.isShaderMaterial, error.name, EXTENSION)
   `)
-  expect(printed).toBe('undefined undefined true DiffractionError')
+  expect(printed).toBe('undefined undefined true DiffractionError TDIFF_materials_diffraction')
 })
 
 describe.each([
@@ -219,6 +228,9 @@ describe.each([
         import { type Scene, Mesh, PlaneGeometry } from 'three'
         import { DiffractionMaterial, Foil, Grating, HeightField, type Feature } from 'three-diffraction'
         import { type DiffractionMaterialOptions, ProgressiveRefinement } from 'three-diffraction'
+        import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js'
+        import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js'
+        import { GLTFDiffractionExporterPlugin, GLTFDiffractionLoaderPlugin } from 'three-diffraction/gltf'
 
         const options: DiffractionMaterialOptions = { surface: new Grating({ period: 1.6, height: 0.12 }) }
         export const material = new DiffractionMaterial({ ...options, metal: 'silver' })
@@ -227,6 +239,14 @@ describe.each([
         export const field = new HeightField({ field: 'fingers' })
         export const refinements = (...all: ConstructorParameters<typeof ProgressiveRefinement>) =>
           new ProgressiveRefinement(...all)
+        export const loader = new GLTFLoader().register(
+          (parser) => new GLTFDiffractionLoaderPlugin(parser, { mapsPath: 'maps/', rendering: false }),
+        )
+        export const exporter = new GLTFExporter().register(
+          (writer) => new GLTFDiffractionExporterPlugin(writer, { uriOf: ({ url }) => url }),
+        )
+        // @ts-expect-error A path.
+        export const plugin = new GLTFDiffractionLoaderPlugin(loader as never, { mapsPath: 1 })
         export const add = (scene: Scene): Scene => scene.add(new Mesh(new PlaneGeometry(), material))
         // @ts-expect-error A string: declarations that were not found would be 'any'.
         export const metal: number = material.metal
@@ -276,10 +296,13 @@ async function runNode(code: string): Promise<string> {
   return stdout.trim()
 }
 
-/** Bytes of gzip of a minified bundle of some of the exports, without three. */
-async function bundleSize(...names: string[]): Promise<number> {
-  const entry = join(consumer, `${names.join('-')}.js`)
-  await writeFile(entry, `export { ${names.join(', ')} } from 'three-diffraction'`)
+/** Bytes of gzip of a minified bundle of some of the exports, without three; `plugins`: those of `three-diffraction/gltf`. */
+async function bundleSize(names: string, plugins = ''): Promise<number> {
+  const entry = join(consumer, `${names}${plugins}.js`.replaceAll(', ', '-'))
+  await writeFile(
+    entry,
+    `export { ${names} } from 'three-diffraction'\nexport { ${plugins} } from 'three-diffraction/gltf'`,
+  )
   const result = (await build({
     configFile: false,
     root: consumer,
@@ -294,5 +317,7 @@ async function bundleSize(...names: string[]): Promise<number> {
   const [chunk, ...others] = result.output
   expect(others).toEqual([])
   expect(chunk.imports).toEqual(['three'])
+  // Who does not import the plugins has nothing of them.
+  expect(chunk.code.includes('TDIFF_')).toBe(plugins !== '')
   return gzipped(chunk.code)
 }
