@@ -9,7 +9,7 @@ export default defineConfig({
     target: 'es2022',
     minify: false,
     sourcemap: true,
-    lib: { entry: 'web/index.ts', formats: ['es'] },
+    lib: { entry: ['web/index.ts', 'web/gltf/index.ts'], formats: ['es'] },
     rolldownOptions: {
       external: /^three(\/|$)/,
       output: {

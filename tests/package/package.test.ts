@@ -28,6 +28,8 @@ const LIMITS = {
   HeightField: 8000,
   diffractionLayer: 1800,
   ProgressiveRefinement: 1500,
+  /** Both plugins, to the material and its surfaces. */
+  gltf: 7000,
   /** The maps that a material with a grating loads. */
   maps: 150_000,
 }
@@ -53,7 +55,10 @@ beforeAll(async () => {
 describe('the tarball', () => {
   it('holds what is needed and nothing else', () => {
     expect(files).toEqual(
-      expect.arrayContaining(['LICENSE', 'README.md', 'dist/index.js', 'dist/index.d.ts']),
+      expect.arrayContaining([
+        ...['LICENSE', 'README.md', 'dist/index.js', 'dist/index.d.ts'],
+        ...['dist/gltf/index.js', 'dist/gltf/index.d.ts'],
+      ]),
     )
     expect(files.filter((file) => !SHIPPED.test(file))).toEqual([])
   })
@@ -62,7 +67,7 @@ describe('the tarball', () => {
     for (const file of files.filter((name) => name.endsWith('.js'))) {
       const address = /\n\/\/# sourceMappingURL=(.+)\s*$/.exec(await contentsOf(file))?.[1]
       // A module of nothing but exports has nothing to map.
-      if (address === undefined) expect(file).toBe('dist/index.js')
+      if (address === undefined) expect(file).toMatch(/^dist\/(gltf\/)?index\.js$/)
       else {
         const map = JSON.parse(await contentsOf(join(dirname(file), address))) as {
           sources: string[]
@@ -127,9 +132,13 @@ describe('the tarball', () => {
 })
 
 it('is no larger than its limits', async () => {
-  const { entry: material, later } = await bundleSizes('DiffractionMaterial', 'Grating')
+  const { entry: material, later } = await bundleSizes('DiffractionMaterial, Grating')
+  const sizeOf = async (names: string, plugins = ''): Promise<number> =>
+    (await bundleSizes(names, plugins)).entry
   const added = async (name: string): Promise<number> =>
-    (await bundleSizes('DiffractionMaterial', 'Grating', name)).entry - material
+    (await sizeOf(`DiffractionMaterial, Grating, ${name}`)) - material
+  const surfaces = 'DiffractionMaterial, Grating, Foil, HeightField'
+  const plugins = 'GLTFDiffractionLoaderPlugin, GLTFDiffractionExporterPlugin'
   const sizes = {
     material,
     roughEnvironment: later['rough-environment'],
@@ -139,6 +148,7 @@ it('is no larger than its limits', async () => {
     HeightField: await added('HeightField'),
     diffractionLayer: await added('diffractionLayer'),
     ProgressiveRefinement: await added('ProgressiveRefinement'),
+    gltf: (await sizeOf(surfaces, plugins)) - (await sizeOf(surfaces)),
   }
   console.log('Bytes of gzip besides three:', sizes)
   for (const [name, size] of Object.entries(sizes))
@@ -192,14 +202,15 @@ describe('the built material', () => {
 it('is imported where there is neither window nor WebGL', async () => {
   const printed = await runNode(`
     import { DiffractionMaterial, Grating } from 'three-diffraction'
+    import { EXTENSION } from 'three-diffraction/gltf'
     const material = new DiffractionMaterial({
       surface: new Grating({ period: 1.6, height: 0.12 }),
       onError: () => {},
     })
     const error = await material.ready.catch((error) => error)
-    console.log(typeof window, typeof document, material.isShaderMaterial, error.name)
+    console.log(typeof window, typeof document, material.isShaderMaterial, error.name, EXTENSION)
   `)
-  expect(printed).toBe('undefined undefined true DiffractionError')
+  expect(printed).toBe('undefined undefined true DiffractionError TDIFF_materials_diffraction')
 })
 
 describe.each([
@@ -214,6 +225,9 @@ describe.each([
         import { type Scene, Mesh, PlaneGeometry } from 'three'
         import { DiffractionMaterial, Foil, Grating, HeightField, type Feature } from 'three-diffraction'
         import { type DiffractionMaterialOptions, ProgressiveRefinement } from 'three-diffraction'
+        import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js'
+        import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js'
+        import { GLTFDiffractionExporterPlugin, GLTFDiffractionLoaderPlugin } from 'three-diffraction/gltf'
 
         const options: DiffractionMaterialOptions = { surface: new Grating({ period: 1.6, height: 0.12 }) }
         export const material = new DiffractionMaterial({ ...options, metal: 'silver' })
@@ -222,6 +236,14 @@ describe.each([
         export const field = new HeightField({ field: 'fingers' })
         export const refinements = (...all: ConstructorParameters<typeof ProgressiveRefinement>) =>
           new ProgressiveRefinement(...all)
+        export const loader = new GLTFLoader().register(
+          (parser) => new GLTFDiffractionLoaderPlugin(parser, { mapsPath: 'maps/', rendering: false }),
+        )
+        export const exporter = new GLTFExporter().register(
+          (writer) => new GLTFDiffractionExporterPlugin(writer, { uriOf: ({ url }) => url }),
+        )
+        // @ts-expect-error A path.
+        export const plugin = new GLTFDiffractionLoaderPlugin(loader as never, { mapsPath: 1 })
         export const add = (scene: Scene): Scene => scene.add(new Mesh(new PlaneGeometry(), material))
         // @ts-expect-error A string: declarations that were not found would be 'any'.
         export const metal: number = material.metal
@@ -279,9 +301,13 @@ interface Sizes {
   later: Record<string, number>
 }
 
-async function bundleSizes(...names: string[]): Promise<Sizes> {
-  const entry = join(consumer, `${names.join('-')}.js`)
-  await writeFile(entry, `export { ${names.join(', ')} } from 'three-diffraction'`)
+/** Of some of the exports; `plugins`: those of `three-diffraction/gltf`. */
+async function bundleSizes(names: string, plugins = ''): Promise<Sizes> {
+  const entry = join(consumer, `${names}${plugins}.js`.replaceAll(', ', '-'))
+  await writeFile(
+    entry,
+    `export { ${names} } from 'three-diffraction'\nexport { ${plugins} } from 'three-diffraction/gltf'`,
+  )
   const result = (await build({
     configFile: false,
     root: consumer,
@@ -310,6 +336,9 @@ async function bundleSizes(...names: string[]): Promise<Sizes> {
   const first = withImports(result.output[0].fileName)
   const outside = [...first].flatMap((name) => chunks.get(name)!.imports)
   expect(new Set(outside.filter((name) => !chunks.has(name)))).toEqual(new Set(['three']))
+  // Who does not import the plugins has nothing of them.
+  const code = [...first].map((name) => chunks.get(name)!.code).join('')
+  expect(code.includes('TDIFF_')).toBe(plugins !== '')
   const later = [...chunks.values()].filter(({ isDynamicEntry }) => isDynamicEntry)
   return {
     entry: sizeOf(first),

@@ -4,6 +4,7 @@ import { atOnce } from '../../web/steps'
 import { foilGratings } from '../../web/surfaces/foil-gratings'
 import { foilShares } from '../../web/surfaces/foil-shares'
 import { fakeFoil, filesOf, serveFiles } from './fake-maps'
+import { refuses } from './refuses'
 
 afterEach(() => {
   vi.unstubAllGlobals()
@@ -18,6 +19,17 @@ async function sharesOf(width: number, height: number, texels: number[][]) {
   serveFiles(filesOf({ 'maps/foil': foil }))
   return atOnce(foilShares(atOnce(foilGratings(await loadMap('maps/foil')))))
 }
+
+describe('the gratings of a foil', () => {
+  it('are refused where there are more than 8 bits have of a circle and a frequency', async () => {
+    const [width, height] = [512, 513]
+    const pixels = new Uint8Array(4 * width * height)
+    new Uint32Array(pixels.buffer).forEach((_, i, texels) => (texels[i] = 0xff000000 + 0x10000 + i))
+    serveFiles(filesOf({ 'maps/foil': fakeFoil(pixels, [width, height]) }))
+    const map = await loadMap('maps/foil')
+    refuses(() => atOnce(foilGratings(map)), 'maps/foil.json', 'arrays.grating')
+  })
+})
 
 describe('the shares of a foil', () => {
   it('has a channel for each grating, rows from the bottom', async () => {

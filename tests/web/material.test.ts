@@ -9,6 +9,7 @@ import {
 } from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { DiffractionError } from '../../web/errors'
+import { loadMap } from '../../web/maps/load'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import type { DiffractionMaterialOptions } from '../../web/materials/options'
 import { Foil } from '../../web/surfaces/foil'
@@ -106,6 +107,23 @@ describe('loading', () => {
     material.observer = '2015-2'
     await material.ready
     expect([material.illuminant, material.observer]).toEqual(['A', '2015-2'])
+  })
+
+  it('takes maps that are at hand in the place of what their addresses would fetch', async () => {
+    serve({ 'lobes-mine': fakeLobes(), 'profile-mine': fakeProfile(7) })
+    const maps = {
+      'my/lobes': await loadMap(`${mapsPath}lobes-mine`),
+      'my/profile': await loadMap(`${mapsPath}profile-mine`),
+    }
+    serve({})
+    const surface = new Grating({ period: 1.6, height: 0.1, profile: 'my/profile' })
+    const material = makeMaterial({ surface, illuminant: 'my/lobes', maps })
+    const copy = makeMaterial().copy(material)
+    for (const shown of [material, material.clone(), copy]) {
+      await shown.ready
+      expect(shown.illuminant).toBe('my/lobes')
+      expect(shown.defines.PHASE_MAX).toBe('7.0')
+    }
   })
 
   it('hears of a surface whose profile changed', async () => {

@@ -11,6 +11,7 @@ import type {
 } from 'three'
 import { checkEnvironment } from '../environment/environment-map.ts'
 import { DiffractionError } from '../errors.ts'
+import type { LoadedMap } from '../maps/load.ts'
 import { ChosenOptics } from '../materials/chosen-optics.ts'
 import { Defines } from '../materials/defines.ts'
 import { choose } from '../materials/features.ts'
@@ -52,6 +53,8 @@ export interface DiffractionLayerOptions extends Partial<DiffractionLayerSetting
   surface: Surface
   /** Folder of the baked tables, with its slash; 'maps/baked/' by default. */
   mapsPath?: string
+  /** As of DiffractionMaterial. */
+  maps?: Readonly<Record<string, LoadedMap>>
 }
 
 const layers = new WeakMap<BaseMaterial, DiffractionLayer>()
@@ -103,7 +106,7 @@ export class DiffractionLayer {
   /** Use {@link diffractionLayer}. */
   constructor(
     material: BaseMaterial,
-    { surface, mapsPath = 'maps/baked/', ...options }: DiffractionLayerOptions,
+    { surface, mapsPath = 'maps/baked/', maps = {}, ...options }: DiffractionLayerOptions,
   ) {
     assertLightLoops()
     this.#material = material
@@ -127,6 +130,7 @@ export class DiffractionLayer {
       },
       surface,
       mapsPath,
+      maps,
     )
     // Options are looked at before anything of the material is touched.
     this.set(options)
@@ -237,7 +241,7 @@ export class DiffractionLayer {
         break
       default:
         if (!(name in DEFAULT_SETTINGS))
-          refuse('option', name, [...Object.keys(this.settings), 'mapsPath'].join(', '))
+          refuse('option', name, [...Object.keys(this.settings), 'mapsPath', 'maps'].join(', '))
         this.#chosen.set(name as keyof OpticsSettings, value as never)
     }
   }

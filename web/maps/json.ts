@@ -4,8 +4,9 @@ import { DiffractionError } from '../errors.ts'
 export class JsonReader {
   constructor(
     private readonly file: string,
-    private readonly path: string,
-    private readonly json: unknown,
+    /** Of this place, as in `arrays.efficiency.shape`. */
+    readonly path: string,
+    readonly value: unknown,
   ) {}
 
   /** The error this place in the document deserves. */
@@ -13,7 +14,7 @@ export class JsonReader {
     return new DiffractionError({
       file: this.file,
       field: this.path === '' ? 'document' : this.path,
-      value: this.json,
+      value: this.value,
       expected,
     })
   }
@@ -24,40 +25,40 @@ export class JsonReader {
   }
 
   get isMissing(): boolean {
-    return this.json === undefined
+    return this.value === undefined
   }
 
   object(): Record<string, unknown> {
-    if (typeof this.json === 'object' && this.json !== null && !Array.isArray(this.json))
-      return this.json as Record<string, unknown>
+    if (typeof this.value === 'object' && this.value !== null && !Array.isArray(this.value))
+      return this.value as Record<string, unknown>
     throw this.refuse('an object')
   }
 
   string(): string {
-    if (typeof this.json === 'string' && this.json !== '') return this.json
+    if (typeof this.value === 'string' && this.value !== '') return this.value
     throw this.refuse('a text that is not empty')
   }
 
   number(): number {
-    if (typeof this.json === 'number' && Number.isFinite(this.json)) return this.json
+    if (typeof this.value === 'number' && Number.isFinite(this.value)) return this.value
     throw this.refuse('a finite number')
   }
 
   count(): number {
-    if (Number.isInteger(this.json) && (this.json as number) > 0) return this.json as number
+    if (Number.isInteger(this.value) && (this.value as number) > 0) return this.value as number
     throw this.refuse('a whole number above 0')
   }
 
   /** The elements, each as a reader of its own. */
   list(): JsonReader[] {
-    if (!Array.isArray(this.json)) throw this.refuse('a list')
-    return this.json.map(
+    if (!Array.isArray(this.value)) throw this.refuse('a list')
+    return this.value.map(
       (value: unknown, i) => new JsonReader(this.file, `${this.path}[${i}]`, value),
     )
   }
 
   oneOf<T extends string>(names: readonly T[]): T {
-    const found = names.find((name) => name === this.json)
+    const found = names.find((name) => name === this.value)
     if (found !== undefined) return found
     throw this.refuse(`one of ${names.join(', ')}`)
   }

@@ -25,13 +25,10 @@ export type Dtype = (typeof DTYPES)[number]
 
 const BYTES_PER_ELEMENT: Record<Dtype, number> = { float16: 2, float32: 4, uint8: 1 }
 
-/** One binary of a map: slowest axis first, channels last. */
+/** One array of a map: slowest axis first, channels last. */
 export interface ArraySpec {
-  /** File name beside the sidecar. */
-  file: string
   dtype: Dtype
   shape: number[]
-  sha256: string
   /** The named axes; an image has none, its rows and columns are the surface itself. */
   axes: Axis[]
   channels: string[]
@@ -39,14 +36,21 @@ export interface ArraySpec {
   decode: [number, number][] | null
 }
 
-/** What a map says of itself. */
-export interface Sidecar {
+/** Where a sidecar has the bytes of an array. */
+export interface ArrayFile {
+  /** File name beside the sidecar. */
+  file: string
+  sha256: string
+}
+
+/** What a map says of itself; `Place` is where the bytes of its arrays are. */
+export interface Sidecar<Place = unknown> {
   format: typeof MAP_FORMAT
   version: typeof MAP_VERSION
   kind: MapKind
   quantity: string
   symbol: string
-  arrays: Record<string, ArraySpec>
+  arrays: Record<string, ArraySpec & Place>
   /** Numbers that go with the arrays; a single one is a list of one. */
   constants: Record<string, number[]>
   /** The recipe the map was baked from, as it was given. */
@@ -59,18 +63,31 @@ export function bytesOf({ dtype, shape }: Pick<ArraySpec, 'dtype' | 'shape'>): n
 }
 
 /** Checks a parsed sidecar field by field; `file` goes into the error. */
-export function readSidecar(file: string, json: unknown): Sidecar {
-  const root = new JsonReader(file, '', json)
+export function readSidecar(file: string, json: unknown): Sidecar<ArrayFile> {
+  return readMapFields(new JsonReader(file, '', json), readArrayFile)
+}
+
+/**
+ * Checks what a map says of itself, wherever it says so.
+ *
+ * @param readPlace - reads from an array's field where its bytes are
+ */
+export function readMapFields<Place>(
+  root: JsonReader,
+  readPlace: (field: JsonReader, dtype: Dtype) => Place,
+): Sidecar<Place> {
   const format = root.field('format').oneOf([MAP_FORMAT])
   const version = root.field('version')
   if (version.number() !== MAP_VERSION) throw version.refuse(String(MAP_VERSION))
   const kind = root.field('kind').oneOf(MAP_KINDS)
 
-  const arrays: Record<string, ArraySpec> = {}
+  const arrays: Record<string, ArraySpec & Place> = {}
   const arraysField = root.field('arrays')
   for (const name of Object.keys(arraysField.object())) {
     expectName(arraysField, name)
-    arrays[name] = readArray(arraysField.field(name))
+    const field = arraysField.field(name)
+    const dtype = field.field('dtype').oneOf(DTYPES)
+    arrays[name] = { ...readPlace(field, dtype), ...readArray(field, dtype) }
   }
 
   const constantsField = root.field('constants')
@@ -95,26 +112,33 @@ function expectName(field: JsonReader, name: string): void {
     throw field.field(name).refuse('a name of letters, digits and _')
 }
 
-function readArray(field: JsonReader): ArraySpec {
+function readArrayFile(field: JsonReader, dtype: Dtype): ArrayFile {
   const fileField = field.field('file')
   const file = fileField.string()
   // A sidecar names its neighbours, nothing above or elsewhere; lone surrogates are in no address.
   if (!/^[^/\\:\p{Cc}\p{Cs}]+\.(bin|png)$/u.test(file))
     throw fileField.refuse("a .bin's or .png's name without a folder")
-
-  const dtype = field.field('dtype').oneOf(DTYPES)
   const isImage = file.endsWith('.png')
   if (isImage !== (dtype === 'uint8'))
     throw field
       .field('dtype')
       .refuse(isImage ? 'uint8 for a .png' : 'float16 or float32 for a .bin')
 
+  const shaField = field.field('sha256')
+  const sha256 = shaField.string()
+  if (!/^[0-9a-f]{64}$/.test(sha256)) throw shaField.refuse('64 lower-case hexadecimal digits')
+  return { file, sha256 }
+}
+
+function readArray(field: JsonReader, dtype: Dtype): ArraySpec {
+  const isImage = dtype === 'uint8'
+
   const shapeField = field.field('shape')
   const shape = shapeField.list().map((size) => size.count())
   if (shape.length < 2 || shape.length > 4)
     throw shapeField.refuse('2 to 4 sizes, the number of channels last')
   if (isImage && (shape.length !== 3 || shape[2] !== 4))
-    throw shapeField.refuse('rows, columns and 4 channels for a .png')
+    throw shapeField.refuse('rows, columns and 4 channels for uint8')
   if (bytesOf({ dtype, shape }) > MAX_ARRAY_BYTES)
     throw shapeField.refuse(`an array of ${MAX_ARRAY_BYTES} bytes at most`)
 
@@ -122,10 +146,6 @@ function readArray(field: JsonReader): ArraySpec {
   const channels = channelsField.list().map((channel) => channel.string())
   if (channels.length !== shape.at(-1))
     throw channelsField.refuse(`${String(shape.at(-1))} names, one for each channel of the shape`)
-
-  const shaField = field.field('sha256')
-  const sha256 = shaField.string()
-  if (!/^[0-9a-f]{64}$/.test(sha256)) throw shaField.refuse('64 lower-case hexadecimal digits')
 
   const axesField = field.field('axes')
   const axisFields = axesField.isMissing ? [] : axesField.list()
@@ -139,9 +159,9 @@ function readArray(field: JsonReader): ArraySpec {
 
   const decodeField = field.field('decode')
   const decode = isImage ? readDecode(decodeField, channels.length) : null
-  if (!isImage && !decodeField.isMissing) throw decodeField.refuse('none for a .bin')
+  if (!isImage && !decodeField.isMissing) throw decodeField.refuse('none but for uint8')
 
-  return { file, dtype, shape, sha256, axes, channels, decode }
+  return { dtype, shape, axes, channels, decode }
 }
 
 function readAxis(field: JsonReader): Axis {

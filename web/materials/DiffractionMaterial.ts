@@ -21,6 +21,7 @@ import {
 import { checkEnvironment, environmentMap } from '../environment/environment-map.ts'
 import type { DiffractionError } from '../errors.ts'
 import { fragmentShader, vertexShader } from '../glsl/material-shaders.ts'
+import type { LoadedMap } from '../maps/load.ts'
 import type {
   Efficiencies,
   Energy,
@@ -28,6 +29,7 @@ import type {
   Metal,
   Method,
   Observer,
+  OpticsSettings,
   Surface,
 } from '../surfaces/surface.ts'
 import { angularRadius, oneOf, within } from '../validation.ts'
@@ -77,7 +79,7 @@ export class DiffractionMaterial extends ShaderMaterial {
   constructor(options: DiffractionMaterialOptions) {
     super()
     assertLightLoops()
-    const { surface, mapsPath = 'maps/baked/', ...values } = options
+    const { surface, mapsPath = 'maps/baked/', maps = {}, ...values } = options
     const defines = new Defines((values) => {
       this.defines = values
       this.needsUpdate = true
@@ -98,6 +100,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       },
       surface,
       mapsPath,
+      maps,
     )
     this.lights = true
     this.fog = true
@@ -129,6 +132,11 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   get mapsPath(): string {
     return this.#chosen.mapsPath
+  }
+
+  /** Maps that are taken in the place of what their addresses would fetch. */
+  get maps(): Readonly<Record<string, LoadedMap>> {
+    return this.#chosen.maps
   }
 
   get metal(): Metal {
@@ -213,6 +221,11 @@ export class DiffractionMaterial extends ShaderMaterial {
 
   set environmentNodes(value: number) {
     this.#chosen.set('environmentNodes', value)
+  }
+
+  /** Names of the settings that were given; where `maxError` is, it chooses the others. */
+  get given(): ReadonlySet<keyof OpticsSettings> {
+    return this.#chosen.given
   }
 
   /**
@@ -374,10 +387,11 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#scene.dispose()
   }
 
-  /** Shares surface and tables with the source, and copies the rest. */
+  /** Shares surface, maps and tables with the source, and copies the rest. */
   override copy(source: this): this {
     // Not ShaderMaterial's, which would clone every table's texture.
     Material.prototype.copy.call(this, source)
+    this.#chosen.maps = source.maps
     this.surface = source.surface
     this.setValues(source.#options())
     this.#chosen.copyGiven(source.#chosen)
@@ -385,8 +399,8 @@ export class DiffractionMaterial extends ShaderMaterial {
   }
 
   override clone(): this {
-    const clone = new DiffractionMaterial({ surface: this.surface, mapsPath: this.mapsPath })
-    return clone.copy(this) as this
+    const { surface, mapsPath, maps } = this
+    return new DiffractionMaterial({ surface, mapsPath, maps }).copy(this) as this
   }
 
   #options(): MaterialParameters & Omit<DiffractionMaterialOptions, 'surface' | 'mapsPath'> {

@@ -1,5 +1,6 @@
 import { DiffractionError } from '../errors.ts'
 import { errorChoice } from '../lazy-code.ts'
+import type { LoadedMap } from '../maps/load.ts'
 import type { Feature, Optics, OpticsSettings, Surface } from '../surfaces/surface.ts'
 import { oneOf, positive } from '../validation.ts'
 import { OpticsLoader } from './optics-loader.ts'
@@ -24,7 +25,7 @@ export class ChosenOptics {
   readonly #user: OpticsUser
   readonly #loader: OpticsLoader
   /** Names of the settings that were given; no choice touches them. */
-  readonly #given = new Set<string>()
+  readonly #given = new Set<keyof OpticsSettings>()
   #maxError: number | null = null
   /** The settings of the optics in use; null before the first. */
   #applied: OpticsSettings | null = null
@@ -37,6 +38,7 @@ export class ChosenOptics {
     user: OpticsUser,
     surface: Surface,
     readonly mapsPath: string,
+    maps: Readonly<Record<string, LoadedMap>>,
   ) {
     this.#user = user
     this.#surface = surface
@@ -49,6 +51,7 @@ export class ChosenOptics {
       (error) => {
         this.#fail(error)
       },
+      maps,
     )
   }
 
@@ -62,6 +65,20 @@ export class ChosenOptics {
   get ready(): Promise<void> {
     this.follow()
     return this.#loader.ready
+  }
+
+  /** Names of the settings that were given; where `maxError` is, it chooses the others. */
+  get given(): ReadonlySet<keyof OpticsSettings> {
+    return this.#given
+  }
+
+  /** Maps that are taken in the place of what their addresses would fetch. */
+  get maps(): Readonly<Record<string, LoadedMap>> {
+    return this.#loader.maps
+  }
+
+  set maps(value: Readonly<Record<string, LoadedMap>>) {
+    this.#loader.maps = value
   }
 
   get state(): OpticsLoader['state'] {

@@ -20,9 +20,11 @@ export class OpticsLoader {
   #addresses = ''
   #request = 0
 
+  /** @param maps - are taken in the place of what their addresses would fetch */
   constructor(
     private readonly apply: (optics: Optics) => void,
     private readonly onError: (error: DiffractionError) => void,
+    public maps: Readonly<Record<string, LoadedMap>>,
   ) {}
 
   /**
@@ -86,7 +88,9 @@ export class OpticsLoader {
 
   async #load(wanted: Record<string, string>): Promise<Record<string, LoadedMap>> {
     const entries = await Promise.all(
-      Object.entries(wanted).map(async ([name, url]) => [name, await loadSharedMap(url)] as const),
+      Object.entries(wanted).map(
+        async ([name, url]) => [name, this.maps[url] ?? (await loadSharedMap(url))] as const,
+      ),
     )
     return Object.fromEntries(entries)
   }

@@ -1,5 +1,6 @@
 import type { Color, ColorRepresentation, Euler, MaterialParameters, Texture, Vector2 } from 'three'
 import type { DiffractionError } from '../errors.ts'
+import type { LoadedMap } from '../maps/load.ts'
 import {
   EFFICIENCIES,
   ENERGIES,
@@ -33,6 +34,11 @@ export interface DiffractionMaterialOptions extends MaterialParameters, Partial<
   maxError?: number | null
   /** Folder of the baked tables, with its slash; 'maps/baked/' by default. */
   mapsPath?: string
+  /**
+   * Maps that are taken in the place of what their addresses would fetch: profile, illuminant and field can then be addresses
+   * of these.
+   */
+  maps?: Readonly<Record<string, LoadedMap>>
   /** Whether the surface diffracts at all; true by default. */
   diffraction?: boolean
   /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; null, points, by default. */

@@ -1,5 +1,9 @@
+import { DiffractionError } from '../errors.ts'
 import { arrayOf, valuesOf, type LoadedMap } from '../maps/load.ts'
 import type { Steps } from '../steps.ts'
+
+/** As many as channels of 8 bits can hold: the unit circle passes 1020 of their cells, at each of 256 frequencies. */
+const MOST_DIFFERENT = 2 ** 18
 
 /** The different gratings of a foil's map, and which of them lies where. */
 export interface FoilGratings {
@@ -18,7 +22,7 @@ export interface FoilGratings {
   isWhole: boolean
 }
 
-/** Looked at row by row. */
+/** Row by row. Throws a DiffractionError where there are more than can be put in clusters in a few seconds. */
 export function* foilGratings(map: LoadedMap): Steps<FoilGratings> {
   const { spec, data } = arrayOf(map, 'grating')
   const [height, width] = spec.shape as [number, number]
@@ -40,6 +44,13 @@ export function* foilGratings(map: LoadedMap): Steps<FoilGratings> {
       let number = numbers.get(key)
       if (number === undefined) {
         numbers.set(key, (number = θ.length))
+        if (number === MOST_DIFFERENT)
+          throw new DiffractionError({
+            file: `${map.url}.json`,
+            field: 'arrays.grating',
+            value: 'more',
+            expected: `${MOST_DIFFERENT} different gratings at most`,
+          })
         θ.push(Math.atan2(sin2, cos2) / 2)
         frequency.push(grooves)
       }

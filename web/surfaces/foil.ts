@@ -42,6 +42,8 @@ export class Foil extends GratingSurface {
   readonly filtered: boolean
   /** Whether the map has bumps: normals of its own, which bend those of the mesh. */
   readonly hasBumps: boolean
+  /** What the foil is made from. */
+  readonly map: LoadedMap
   protected readonly periodRange: readonly [number, number]
   protected readonly mapRead
   protected override readonly frequencyReach
@@ -62,6 +64,7 @@ export class Foil extends GratingSurface {
       options.height ?? constantOf(map, 'height_um')[0]!,
       options.profile ?? profileOfRecipe(map),
     )
+    this.map = map
     const { spec } = arrayOf(map, 'grating')
     const decode = spec.decode ?? spec.channels.map((): [number, number] => [0, 1])
     const [tileWidth, tileHeight] = constantOf(map, 'tile_mm')
