@@ -78,6 +78,15 @@ it.each<[Name, string]>([
   refuses(() => expectSound(loaded), 'maps/x.json', `arrays.${array}.axes`)
 })
 
+it('a map whose recipe is nested too deep cannot', async () => {
+  const loaded = await load(fakeFoil())
+  loaded.sidecar.recipe = JSON.parse(`{"x": ${'['.repeat(2e4)}${']'.repeat(2e4)}}`) as Record<
+    string,
+    unknown
+  >
+  refuses(() => expectSound(loaded), 'maps/x.json', 'recipe')
+})
+
 it('a map of a profile whose orders are others than its rows cannot', async () => {
   const map = fakeProfile()
   specOf(map, 'efficiency').axes[0]!.last = 9

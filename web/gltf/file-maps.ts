@@ -112,17 +112,18 @@ export class FileMaps {
 
   /** A buffer view that is longer is not looked at. */
   async #bytesOf(view: JsonReader, most: number): Promise<Uint8Array> {
-    const field = this.#json.field('bufferViews')
-    const definition: unknown = field.isMissing
-      ? undefined
-      : field.list()[view.value as number]?.value
-    if (typeof view.value !== 'number' || definition === undefined)
+    const index = view.value
+    const views = this.#json.field('bufferViews')
+    // Anything else would be turned into a text to be an index.
+    const definition: unknown =
+      typeof index === 'number' && !views.isMissing ? views.list()[index]?.value : undefined
+    if (typeof index !== 'number' || definition === undefined)
       throw view.refuse('an index of bufferViews')
-    const path = `bufferViews[${view.value}]`
+    const path = `bufferViews[${index}]`
     const length = new JsonReader(this.places.file, path, definition).field('byteLength')
     if (length.count() > most) throw length.refuse(`${most} at most`)
     try {
-      const buffer: unknown = await this.parser.getDependency('bufferView', view.value)
+      const buffer: unknown = await this.parser.getDependency('bufferView', index)
       return new Uint8Array(buffer as ArrayBuffer)
     } catch (cause) {
       const value = String(cause)

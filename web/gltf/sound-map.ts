@@ -121,10 +121,24 @@ function whole(field: string, value: number, max: number): Rule {
   return [holds, field, value, `a whole number from 1 to ${max}`]
 }
 
+/** A recipe is compared with settings, and told in errors. */
+function writable(recipe: unknown): Rule {
+  let holds = true
+  try {
+    JSON.stringify(recipe)
+  } catch {
+    holds = false
+  }
+  return [holds, 'recipe', recipe, 'what is not nested too deep']
+}
+
 /** The map, if its readers can rely on it. */
 export function expectSound(map: LoadedMap): LoadedMap {
-  const { kind, arrays, constants } = map.sidecar
-  for (const [holds, field, value, expected] of RULES[kind](arrays, constants))
+  const { kind, arrays, constants, recipe } = map.sidecar
+  for (const [holds, field, value, expected] of [
+    writable(recipe),
+    ...RULES[kind](arrays, constants),
+  ])
     if (!holds) throw new DiffractionError({ file: `${map.url}.json`, field, value, expected })
   return map
 }

@@ -1,6 +1,7 @@
 import { WebGLRenderer } from 'three'
 import { drawLayer, type LayeredPicture, type LayerRequest } from './layer'
 import { countCompilations } from './recompilation'
+import { passThroughGltf, type GltfOutcome, type GltfRequest } from './gltf'
 import { reportRefinement } from './refinement'
 import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
@@ -44,6 +45,8 @@ export interface Harness {
   reportRefinement: typeof reportRefinement
   /** Draws frames of one scene, one for each step. */
   drawPlanarFrames: (scene: SceneDescription, steps: PlanarStep[]) => Promise<PlanarFrame[]>
+  /** What of a scene's mesh comes back from a glTF file. */
+  passThroughGltf: (request: GltfRequest) => Promise<GltfOutcome>
   /** The colour in the picture's middle with each of three's features. */
   probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
 }
@@ -97,6 +100,7 @@ window.harness = {
     return { before: base64(before), after: base64(after), lit }
   },
   reportRefinement,
+  passThroughGltf: (request) => passThroughGltf(renderer, request),
   probeFeatures,
 }
 
