@@ -14,6 +14,7 @@ import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import type { DiffractionMaterialOptions } from '../../web/materials/options'
 import { Foil } from '../../web/surfaces/foil'
 import { Grating } from '../../web/surfaces/grating'
+import { HeightField } from '../../web/surfaces/height-field'
 import {
   fakeFoil,
   fakeLobes,
@@ -167,6 +168,28 @@ describe('setters', () => {
 
   it('refuse at construction too', () => {
     expect(() => makeMaterial({ coherence: 0 })).toThrow(DiffractionError)
+  })
+
+  it('give way to the defaults of another surface, but for those that were given', () => {
+    const [grating, field] = [
+      new Grating({ period: 1.6, height: 0.1 }),
+      new HeightField({ field: 'x' }),
+    ]
+    const tiled = new HeightField({ field: 'x', tiles: 2 })
+    const material = makeMaterial({ surface: grating })
+    const shown = (): string[] => [material.method, material.energy]
+    material.surface = tiled
+    expect(shown()).toEqual(['jacobi-anger', 'kirchhoff'])
+    material.surface = field
+    expect(shown()).toEqual(['line-sum', 'kirchhoff'])
+    material.surface = grating
+    expect(shown()).toEqual(['closed-form', 'conserving'])
+    Object.assign(material, { method: 'wavelength-loop', energy: 'kirchhoff' })
+    material.surface = new Grating({ period: 1, height: 0.1 })
+    expect(shown()).toEqual(['wavelength-loop', 'kirchhoff'])
+    material.surface = field
+    material.surface = grating
+    expect(shown()).toEqual(['closed-form', 'kirchhoff'])
   })
 
   it('change uniforms without a new program', async () => {

@@ -157,15 +157,17 @@ export class ChosenOptics {
     return checked
   }
 
-  /** A method or energy that the surface does not have gives way to its default. */
+  /** A method or energy that was not given, or that the surface does not have, gives way to its default. */
   #takeDefaults(): void {
-    const { methods, energies } = this.#surface
     const { settings } = this
-    if (!methods.includes(settings.method)) {
-      settings.method = methods[0]!
-      this.#given.delete('method')
-    }
-    if (!energies.includes(settings.energy)) settings.energy = energies[0]!
+    const { methods, energies } = this.#surface
+    if (!this.#isGiven('method', methods)) settings.method = methods[0]!
+    if (!this.#isGiven('energy', energies)) settings.energy = energies[0]!
+  }
+
+  #isGiven(name: 'method' | 'energy', offered: readonly string[]): boolean {
+    if (!offered.includes(this.settings[name])) this.#given.delete(name)
+    return this.#given.has(name)
   }
 
   /** Chooses what was not given, if an error was; what it chose before goes with the error. */
