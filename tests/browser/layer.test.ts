@@ -171,3 +171,30 @@ it('is compiled once, and not again while nothing changes', async () => {
   })
   expect(linked.slice(2)).toEqual([0, 0, 0])
 })
+
+describe('a layer on a material that was drawn before', () => {
+  const grating = { kind: 'grating', period: 0.9, height: 0.1 } as const
+  const foil = { kind: 'foil', map: '/maps/baked/foil-polygons' } as const
+  const otherFoil = { kind: 'foil', map: '/maps/baked/foil-logo' } as const
+  const field = { kind: 'height-field', field: 'cosine' } as const
+
+  it.each([
+    ['another grating', [grating], ball.surface],
+    ['another foil', [otherFoil], foil],
+    ['the first kind again', [grating, foil], ball.surface],
+    ['a height field and back', [foil, field], otherFoil],
+  ] as const)('shows its own surface: %s', async (_, surfaces, surface) => {
+    const request: LayerRequest = { scene: { ...ball, surface }, base: 'standard', layer: {} }
+    const { pixels } = await draw(request)
+    for (const by of ['one layer', 'layers'] as const) {
+      const again = await draw({ ...request, earlier: { surfaces: [...surfaces], by } })
+      expect.soft(difference(again.pixels, pixels), by).toBeLessThan(1e-6)
+    }
+  })
+
+  it('stays on it when the material copies another', async () => {
+    const request: LayerRequest = { scene: ball, base: 'physical', layer: {} }
+    const { pixels } = await draw(request)
+    expect(difference((await draw({ ...request, copied: true })).pixels, pixels)).toBeLessThan(1e-6)
+  })
+})

@@ -5,6 +5,7 @@ import {
   REVISION,
   ShaderLib,
 } from 'three'
+import { MeshPhysicalNodeMaterial, NodeMaterialInstance } from 'three/webgpu'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { diffractionLayer, type DiffractionLayerOptions } from '../../web/layer/diffraction-layer'
 import { intercept } from '../../web/layer/intercept'
@@ -84,16 +85,51 @@ describe('a layer', () => {
     await made({}, material).layer.ready
   })
 
+  it('leaves nothing where it goes before its tables come', async () => {
+    const { material, layer } = made()
+    layer.remove()
+    await layer.ready
+    layer.set({ diffraction: false, gamut: 'signed', roughness: 0.1 })
+    await layer.ready
+    expect(material.defines).toEqual({ STANDARD: '' })
+  })
+
+  it('stays when the material copies another, or its defines are replaced', async () => {
+    const material = new MeshPhysicalMaterial()
+    const { layer } = made({}, material)
+    await layer.ready
+    const defines = { ...material.defines }
+    material.copy(new MeshPhysicalMaterial({ clearcoat: 1 }))
+    expect(material.clearcoat).toBe(1)
+    expect(material.defines).toEqual(defines)
+    material.defines = { STANDARD: '', PHYSICAL: '', MINE: 1 }
+    expect(material.defines).toEqual({ ...defines, MINE: 1 })
+    layer.set({ diffraction: false })
+    layer.remove()
+    expect(Object.entries(material.defines)).toEqual([
+      ['STANDARD', ''],
+      ['PHYSICAL', ''],
+      ['MINE', 1],
+    ])
+    material.defines = { STANDARD: '' }
+    expect(material.defines).toEqual({ STANDARD: '' })
+  })
+
   it('leaves defines that others have set', async () => {
     const material = new MeshStandardMaterial()
-    Object.assign(material.defines!, { USE_UV: '', MINE: 1 })
+    Object.assign(material.defines!, { USE_UV: '1', MINE: 1 })
     const { layer } = made({}, material)
     await layer.ready
     material.defines!.LATER = 2
     layer.set({ diffraction: false })
     expect(material.defines).not.toHaveProperty('DIFFRACTION')
     layer.remove()
-    expect(material.defines).toEqual({ STANDARD: '', USE_UV: '', MINE: 1, LATER: 2 })
+    expect(Object.entries(material.defines!)).toEqual([
+      ['STANDARD', ''],
+      ['USE_UV', '1'],
+      ['MINE', 1],
+      ['LATER', 2],
+    ])
   })
 
   it('has a program of its own for each kind of surface, and for each hook of others', () => {
@@ -121,7 +157,9 @@ describe('a layer', () => {
   it('refuses what it cannot do, and leaves the material as it was', () => {
     const name = 'diffractionLayer'
     const { material, layer } = made()
-    refuses(() => made({}, new MeshBasicMaterial() as never), name, 'material')
+    const nodes = new MeshPhysicalNodeMaterial()
+    for (const other of [new MeshBasicMaterial(), nodes, new NodeMaterialInstance(nodes)])
+      refuses(() => made({}, other as never), name, 'material')
     refuses(() => made({}, material), name, 'material')
     const bare = new MeshStandardMaterial()
     const bad: [object, string][] = [
@@ -147,6 +185,22 @@ describe('a layer', () => {
     expect(bare.defines).toEqual({ STANDARD: '' })
     expect(Object.hasOwn(bare, 'onBeforeCompile')).toBe(false)
   })
+})
+
+it('is refused by a material whose hook takes out what it rests on', () => {
+  const material = new MeshStandardMaterial()
+  diffractionLayer(material, { surface, mapsPath })
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace('#include <aomap_fragment>', '')
+  }
+  const shader = { uniforms: {}, vertexShader: '', fragmentShader: fragment }
+  refuses(
+    () => {
+      material.onBeforeCompile(shader as never, {} as never)
+    },
+    `three r${REVISION}, fragment stage of MeshPhysicalMaterial`,
+    '#include <aomap_fragment>',
+  )
 })
 
 describe('an intercepted method', () => {

@@ -21,12 +21,18 @@ import { SceneOptics } from '../materials/scene-optics.ts'
 import type { Feature, OpticsSettings, Surface } from '../surfaces/surface.ts'
 import { angularRadius, oneOf, within } from '../validation.ts'
 import { intercept } from './intercept.ts'
+import { LayerDefines } from './layer-defines.ts'
 import { layeredFragment } from './layer-shader.ts'
 
 const NAME = 'diffractionLayer'
 
 /** What a layer can be made on; MeshPhysicalMaterial is one of them. */
 type BaseMaterial = MeshStandardMaterial | MeshPhysicalMaterial
+
+interface Marks {
+  isMeshStandardMaterial: boolean
+  isNodeMaterial: boolean
+}
 
 /** As in DiffractionMaterial where nothing else is said. */
 export interface DiffractionLayerSettings extends OpticsSettings {
@@ -73,8 +79,14 @@ export function diffractionLayer(
   material: BaseMaterial,
   options: DiffractionLayerOptions,
 ): DiffractionLayer {
-  if ((material as Partial<MeshStandardMaterial>).isMeshStandardMaterial !== true)
-    refuse('material', material.type, 'a MeshStandardMaterial or a MeshPhysicalMaterial')
+  // Node materials have all marks of the material that they stand for.
+  const { isMeshStandardMaterial, isNodeMaterial } = material as Partial<Marks>
+  if (isMeshStandardMaterial !== true || isNodeMaterial === true)
+    refuse(
+      'material',
+      material.type,
+      'a MeshStandardMaterial or a MeshPhysicalMaterial, no node material',
+    )
   if (layers.has(material)) refuse('material', 'one with a layer', 'one without, or remove() first')
   const layer = new DiffractionLayer(material, options)
   layers.set(material, layer)
@@ -85,10 +97,10 @@ export function diffractionLayer(
 export class DiffractionLayer {
   readonly #material: BaseMaterial
   readonly #uniforms: Record<string, IUniform> = { uLayerStrength: { value: 1 } }
-  /** Names of the layer's defines that the material did not have of itself. */
-  #ownDefines: string[] = []
   readonly #scene: SceneOptics
   readonly #chosen: ChosenOptics
+  /** Null before the options are looked at, and again when the layer is gone. */
+  #defines: LayerDefines | null = null
   readonly #restore: (() => void)[]
   #own: Pick<
     DiffractionLayerSettings,
@@ -111,7 +123,7 @@ export class DiffractionLayer {
     assertLightLoops()
     this.#material = material
     const defines = new Defines((values) => {
-      this.#useDefines(values)
+      this.#defines?.use(values)
     })
     this.#scene = new SceneOptics(defines, this.#uniforms)
     this.#chosen = new ChosenOptics(
@@ -132,10 +144,13 @@ export class DiffractionLayer {
       mapsPath,
       maps,
     )
-    // Options are looked at before anything of the material is touched.
+    // Whatever is refused is refused before anything of the material is touched.
     this.set(options)
     this.#scene.useSurface(surface, true)
     defines.setAll({ LAYER: true, USE_UV: true, GAMUT_MAPPED: this.#own.gamut === 'map' })
+    this.#chosen.begin()
+    this.#defines = new LayerDefines(material)
+    this.#defines.use(defines.values)
     this.#restore = [
       intercept<Parameters<BaseMaterial['onBeforeCompile']>, unknown>(
         material,
@@ -162,8 +177,6 @@ export class DiffractionLayer {
       ),
     ]
     material.addEventListener('dispose', this.#dispose)
-    material.needsUpdate = true
-    this.#chosen.begin()
   }
 
   /** Resolves when all tables are there and in use; rejects with a DiffractionError. */
@@ -199,10 +212,11 @@ export class DiffractionLayer {
 
   /** Takes the layer off: the material is as it would be without. Its textures are freed. */
   remove(): void {
-    if (layers.get(this.#material) !== this) return
-    layers.delete(this.#material)
+    if (this.#defines === null) return
+    this.#defines.remove()
+    this.#defines = null
     for (const restore of this.#restore) restore()
-    this.#useDefines({})
+    layers.delete(this.#material)
     this.#material.removeEventListener('dispose', this.#dispose)
     this.#dispose()
   }
@@ -246,18 +260,6 @@ export class DiffractionLayer {
     }
   }
 
-  /** Those of others, then the layer's, sorted: whatever came in between, a class of scene finds its program again. */
-  #useDefines(values: Record<string, string | number>): void {
-    const material = this.#material
-    const others = Object.entries(material.defines ?? {}).filter(
-      ([name]) => !this.#ownDefines.includes(name),
-    )
-    const names = others.map(([name]) => name)
-    this.#ownDefines = Object.keys(values).filter((name) => !names.includes(name))
-    material.defines = { ...Object.fromEntries(others), ...values }
-    material.needsUpdate = true
-  }
-
   #follow(
     renderer: WebGLRenderer,
     scene: Scene,
@@ -270,6 +272,10 @@ export class DiffractionLayer {
     // As three has it: an environment of the material's own has its own intensity and turn.
     const isOwn = material.envMap !== null
     this.#chosen.follow()
+    // Where three finds a program that it had before, no hook is run: the uniforms that it kept may be those of another
+    // surface, of a layer that is gone, or of the bare material.
+    const { uniforms } = renderer.properties.get(material) as { uniforms?: object }
+    if (uniforms !== undefined) Object.assign(uniforms, this.#uniforms)
     this.#scene.follow({
       renderer,
       scene,

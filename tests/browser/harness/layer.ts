@@ -1,8 +1,12 @@
 import { Color, MeshPhysicalMaterial, MeshStandardMaterial, type WebGLRenderer } from 'three'
-import { diffractionLayer, type DiffractionLayerSettings } from '../../../web'
+import {
+  diffractionLayer,
+  type DiffractionLayer,
+  type DiffractionLayerSettings,
+} from '../../../web'
 import { buildScene, buildSurface } from './build-scene'
 import { renderTo } from './render'
-import type { SceneDescription } from './scene-description'
+import type { SceneDescription, SurfaceDescription } from './scene-description'
 
 /** A scene on whose mesh a material of three's takes the place of the description's. */
 export interface LayerRequest {
@@ -24,6 +28,10 @@ export interface LayerRequest {
   hook?: 'before' | 'after' | 'around'
   /** Whether the layer is taken off again before it is drawn. */
   removed?: boolean
+  /** Surfaces with which the material was drawn before, by one layer or each by its own, removed afterwards. */
+  earlier?: { surfaces: SurfaceDescription[]; by: 'one layer' | 'layers' }
+  /** Whether the material takes its parameters by `copy`, when it has been drawn with the layer. */
+  copied?: boolean
   /** Frames that are drawn; the last one is read. */
   frames?: number
 }
@@ -61,14 +69,30 @@ export async function drawLayer(
     side: built.mesh.material.side,
   })
   if (hook === 'before') material.onBeforeCompile = halveRed
-  const layer =
-    request.layer &&
-    diffractionLayer(material, {
-      surface: await buildSurface(description.surface),
+  const lay = async (surface: SurfaceDescription): Promise<DiffractionLayer> => {
+    const layer = diffractionLayer(material, {
+      surface: await buildSurface(surface),
       mapsPath: '/maps/baked/',
       gamut: 'signed',
       ...request.layer,
     })
+    await layer.ready
+    return layer
+  }
+  let layer: DiffractionLayer | null = null
+  for (const surface of request.earlier?.surfaces ?? []) {
+    if (layer === null) layer = await lay(surface)
+    else layer.set({ surface: await buildSurface(surface) })
+    await layer.ready
+    Object.assign(built.mesh, { material })
+    renderTo(renderer, built, ...description.size, 1)
+    if (request.earlier!.by === 'layers') {
+      layer.remove()
+      layer = null
+    }
+  }
+  if (layer === null) layer = request.layer ? await lay(description.surface) : null
+  else layer.set({ surface: await buildSurface(description.surface) })
   await layer?.ready
   if (hook === 'after') material.onBeforeCompile = halveRed
   if (hook === 'around') {
@@ -80,6 +104,10 @@ export async function drawLayer(
   }
   if (request.removed) layer?.remove()
   Object.assign(built.mesh, { material })
+  if (request.copied) {
+    renderTo(renderer, built, ...description.size, 1)
+    material.copy(material.clone()).needsUpdate = true
+  }
 
   const gl = renderer.getContext()
   const link = gl.linkProgram.bind(gl)
