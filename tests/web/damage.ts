@@ -20,7 +20,7 @@ export const below = (random: Random, count: number): number => Math.floor(rando
 export const pick = <T>(random: Random, list: readonly T[]): T => list[below(random, list.length)]!
 
 /** In text, for JSON.stringify would not nest so far. */
-const DEEP = 'deep'
+export const DEEP = 'deep'
 /** 1e999, which JSON.stringify would not write. */
 const HUGE = 'huge'
 

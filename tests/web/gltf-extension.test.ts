@@ -194,14 +194,11 @@ const LOADER_ONLY = [
     endless: [2 ** 40, 2 ** 40, 4],
   }),
   ...cases('foil', ['bufferViews', 4, 'byteLength'], { 'none at all': undefined, vast: 2 ** 31 }),
-  ...cases('heightField', [...RENDERING], { 'of a missing map': { method: 'baked' } }).map(
-    ([name, , why, value]): [FakeName, Path, string, unknown] => [
-      name,
-      [...MATERIAL, 'rendering'],
-      why,
-      value,
-    ],
-  ),
+  ...cases('tables', [...MAP, 'constants', 'max_order'], { 'without end': 1e308 }),
+  ...cases('tables', [...ROOT, 'maps', 1, 'constants', 'wide_lobe_nodes'], { 'without end': 1e9 }),
+  ...cases('heightField', [...MAP, 'constants', 'period_x'], { 'no patch': 0 }),
+  ...cases('baked', [...MAP, 'arrays', 'powers', 'axes'], { none: undefined }),
+  ...cases('heightField', RENDERING, { 'of a missing map': { method: 'baked' } }),
 ]
 
 describe('the examples of the documentation', () => {

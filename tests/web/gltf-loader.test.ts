@@ -5,6 +5,7 @@ import { DiffractionError } from '../../web/errors'
 import { EXTENSION, type GLTFDiffractionLoaderOptions } from '../../web/gltf'
 import { DiffractionMaterial } from '../../web/materials/DiffractionMaterial'
 import { Grating } from '../../web/surfaces/grating'
+import { DEEP, textOf } from './damage'
 import { fakeFoil } from './fake-maps'
 import { FAKES, fakeGlbs, serveFakes, type FakeName } from './gltf-fakes'
 import {
@@ -150,6 +151,23 @@ describe('a hostile file', () => {
     for (const { field, expected } of errors) {
       expect(field).toMatch(/\.maps\[\d+\]\.arrays\.grating\.shape$/)
       expect(expected).toContain('80 bytes')
+    }
+  })
+
+  it('is not followed into lists within lists', async () => {
+    for (const [place, field] of [
+      [(json: Gltf) => json.extensions[EXTENSION]!.maps[0]!.arrays, 'grating.bufferView'],
+      [(json: Gltf) => json.extensions[EXTENSION]!.maps[0]!, 'recipe.profile'],
+      [(json: Gltf) => json.materials[0]!.extensions[EXTENSION]!, 'surface.map'],
+      [(json: Gltf) => json.materials[0]!.extensions[EXTENSION]!, 'surface.repeat'],
+    ] as const) {
+      const { json, binary } = partsOf(files.foil)
+      const [owner, name] = field.split('.') as [string, string]
+      const object = (place(json as unknown as Gltf) as Record<string, Json>)[owner]!
+      object[name] = DEEP
+      const { errors, ...shown } = await loaded(glbOf(textOf(json), binary))
+      expect(shown, field).toEqual(REFUSED)
+      expect(errors[0]!.field).toContain(field.startsWith('recipe') ? 'recipe' : field)
     }
   })
 
