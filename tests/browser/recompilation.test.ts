@@ -1,5 +1,6 @@
 import { afterAll, beforeAll, describe, expect, it } from 'vitest'
 import type { SurfaceDescription } from './harness/scene-description'
+import type { Drawn } from './harness/three-features'
 import { openHarness } from './open-harness.mjs'
 import type { HarnessHandle } from './read-scene'
 
@@ -33,16 +34,17 @@ const FAMILIAR = [
   'they go',
 ]
 
-describe.each<[string, SurfaceDescription]>([
+describe.each<[string, SurfaceDescription, Drawn?]>([
   ['a grating', { kind: 'grating', period: 1.6, height: 0.1, strength: 0.5 }],
   ['a foil', { kind: 'foil', map: '/maps/baked/foil-polygons' }],
   ['a foil of many gratings', { kind: 'foil', map: '/maps/baked/foil-glitter' }],
   ['a height field', { kind: 'height-field', field: 'cosine' }],
-])('the programs of %s', (_name, surface) => {
+  ['a layer', { kind: 'foil', map: '/maps/baked/foil-polygons' }, 'diffractionLayer'],
+])('the programs of %s', (_name, surface, drawn = 'DiffractionMaterial') => {
   it('are compiled once for each class of scene, and never again', async () => {
     const { compilations, programs } = await harness.page.evaluate(
-      (description) => window.harness.countCompilations(description),
-      surface,
+      ([description, by]) => window.harness.countCompilations(description, by),
+      [surface, drawn] as const,
     )
     const linked = compilations.reduce((sum, { first }) => sum + first, 0)
     expect(linked).toBeGreaterThan(5)

@@ -13,7 +13,7 @@ import {
   type StabilityResult,
   type StabilitySet,
 } from './stability'
-import { probeFeatures, type ProbeName } from './three-features'
+import { probeFeatures } from './three-features'
 import { drawVariants } from './variants'
 import { timeMaterials, type TimingRequest } from './timing'
 
@@ -48,7 +48,7 @@ export interface Harness {
   /** What of a scene's mesh comes back from a glTF file. */
   passThroughGltf: (request: GltfRequest) => Promise<GltfOutcome>
   /** The colour in the picture's middle with each of three's features. */
-  probeFeatures: () => Promise<Record<ProbeName, [number, number, number]>>
+  probeFeatures: typeof probeFeatures
 }
 
 export type TransferredScene = Transferred<Omit<RenderedScene, 'environment'>> & {
