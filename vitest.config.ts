@@ -13,7 +13,8 @@ export default defineConfig({
         test: {
           name: 'package',
           include: ['tests/package/**/*.test.ts'],
-          // One builds the package, and TypeScript reads three's declarations.
+          globalSetup: 'tests/package/pack.ts',
+          // TypeScript reads three's declarations.
           testTimeout: 60_000,
           hookTimeout: 120_000,
         },

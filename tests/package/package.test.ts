@@ -1,6 +1,6 @@
 import { execFile } from 'node:child_process'
 import { existsSync } from 'node:fs'
-import { mkdir, readdir, readFile, rm, writeFile } from 'node:fs/promises'
+import { readdir, readFile, writeFile } from 'node:fs/promises'
 import { dirname, join, relative, sep } from 'node:path'
 import { fileURLToPath, pathToFileURL } from 'node:url'
 import { promisify } from 'node:util'
@@ -11,10 +11,9 @@ import { formatMessage } from 'publint/utils'
 import ts from 'typescript'
 import { build, type Rolldown } from 'vite'
 import { afterEach, beforeAll, describe, expect, it, vi } from 'vitest'
-import { runNpm } from '../../scripts/node-packages.mjs'
-import { buildPackage } from '../../scripts/package.mjs'
 import * as source from '../../web/index'
 import { glslTokens } from './glsl-tokens'
+import { consumer, installed, root, tarball } from './pack'
 
 /** What may be on the wire at most, bytes of gzip; three is not counted. */
 const LIMITS = {
@@ -37,27 +36,12 @@ const LIMITS = {
 const SHIPPED =
   /^(package\.json|README\.md|LICENSE|dist\/.+\.(js|js\.map|d\.ts)|maps\/baked\/[^/]+\.(json|bin|png))$/
 
-const root = fileURLToPath(new URL('../../', import.meta.url))
-// Inside the repository: three and its declarations are found above it, as beside a package that is installed.
-const consumer = join(root, 'tests', 'output', 'package')
-const installed = join(consumer, 'node_modules', 'three-diffraction')
-
-let tarball: Buffer
 let files: string[]
 
 const contentsOf = (file: string): Promise<string> => readFile(join(installed, file), 'utf8')
 const gzipped = (data: string | Uint8Array): number => gzipSync(data, { level: 9 }).length
 
 beforeAll(async () => {
-  await rm(consumer, { recursive: true, force: true })
-  await mkdir(installed, { recursive: true })
-  await writeFile(join(consumer, 'package.json'), '{ "name": "consumer", "type": "module" }')
-  await buildPackage()
-  await runNpm('Packing', ['pack', '--ignore-scripts', '--pack-destination', consumer])
-  const name = (await readdir(consumer)).find((file) => file.endsWith('.tgz'))!
-  tarball = await readFile(join(consumer, name))
-  const options = ['-xzf', name, '--strip-components=1', '-C', relative(consumer, installed)]
-  await promisify(execFile)('tar', options, { cwd: consumer })
   const entries = await readdir(installed, { recursive: true, withFileTypes: true })
   files = entries
     .filter((entry) => entry.isFile())
@@ -110,14 +94,14 @@ describe('the tarball', () => {
 
   it('passes publint', async () => {
     const { messages, pkg } = await publint({
-      pack: { tarball: new Uint8Array(tarball).buffer },
+      pack: { tarball: new Uint8Array(await readFile(tarball)).buffer },
       strict: true,
     })
     expect(messages.map((message) => formatMessage(message, pkg))).toEqual([])
   })
 
   it('passes are-the-types-wrong as a package of ES modules', async () => {
-    const analysis = await checkPackage(createPackageFromTarballData(tarball))
+    const analysis = await checkPackage(createPackageFromTarballData(await readFile(tarball)))
     if (analysis.types === false) throw new Error('There are no declarations')
     // Its profile `esm-only` leaves out what came before `exports` and what asks by `require`.
     const ignored = ['node10', 'node16-cjs']
