@@ -12,12 +12,12 @@ export default defineConfig(
     languageOptions: { globals: globals.node },
   },
   {
-    // Run inside the page by the drivers of the browser tests.
-    files: ['tests/**/*.mjs', 'tests/package/consumers/*.js', 'demo/**/*.js'],
+    // Pages, and what the drivers of the browser tests run inside them.
+    files: ['tests/**/*.{js,mjs}', 'demo/**/*.js'],
     languageOptions: { globals: globals.browser },
   },
   {
-    files: ['**/*.ts'],
+    files: ['**/*.{ts,tsx}'],
     extends: [tseslint.configs.strictTypeChecked],
     languageOptions: {
       parserOptions: { projectService: true, tsconfigRootDir: import.meta.dirname },

@@ -14,7 +14,7 @@ export default defineConfig({
           name: 'package',
           include: ['tests/package/**/*.test.ts'],
           globalSetup: 'tests/package/pack.ts',
-          // One builds the package, and TypeScript reads three's declarations.
+          // TypeScript reads three's declarations.
           testTimeout: 60_000,
           hookTimeout: 120_000,
         },

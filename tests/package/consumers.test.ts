@@ -1,227 +1,208 @@
 import { createHash } from 'node:crypto'
-import { cp, mkdir, readdir, readFile, rm, writeFile } from 'node:fs/promises'
-import { createServer, type Server } from 'node:http'
-import type { AddressInfo } from 'node:net'
-import { extname, join, normalize } from 'node:path'
-import type { Browser } from 'playwright-core'
-import { build as esbuild } from 'esbuild'
-import { build as vite } from 'vite'
+import { cp, readFile, rm } from 'node:fs/promises'
+import { join } from 'node:path'
+import type { Browser, Page } from 'playwright-core'
+import type { WebGLRenderer } from 'three'
 import { afterAll, beforeAll, describe, expect, it } from 'vitest'
-import webpack from 'webpack'
 import { launchBrowser } from '../../scripts/browser.mjs'
-import { consumer, installed, root } from './pack'
+import { runNpm } from '../../scripts/node-packages.mjs'
+import { consumer, root } from './pack'
+import { serveFiles, type Overrides } from './static-server'
 
-/** What every page here is served with: no eval, nothing inline, nothing from elsewhere, no text into markup. */
-const POLICY = {
-  'default-src': "'none'",
-  'script-src': "'self'",
-  'connect-src': "'self'",
-  'require-trusted-types-for': "'script'",
+declare global {
+  interface Window {
+    /** Of react-three-fiber's page. */
+    renderer: WebGLRenderer
+    complain: (text: string) => void
+  }
 }
 
-const TYPES: Record<string, string> = {
-  '.html': 'text/html',
-  '.js': 'text/javascript',
-  '.json': 'application/json',
-  '.png': 'image/png',
+const projects = join(consumer, 'consumers')
+
+/** The strictest policy that the package's users can set; `inline` lets in the page's import map alone. */
+const policy = (inline: string): string =>
+  [
+    `default-src 'none'`,
+    `script-src 'self'${inline}`,
+    `style-src 'self'`,
+    `connect-src 'self'`,
+    `base-uri 'none'`,
+    `require-trusted-types-for 'script'`,
+    `trusted-types 'none'`,
+  ].join('; ')
+
+/** Under that policy. */
+function guarded(html: string): Record<string, string> {
+  const map = /<script type="importmap">([^]*?)<\/script>/.exec(html)?.[1]
+  const hash = map === undefined ? '' : ` 'sha256-${digest('sha256', map)}'`
+  return { 'content-security-policy': policy(hash) }
+}
+
+function digest(algorithm: string, content: string | Buffer): string {
+  return createHash(algorithm).update(content).digest('base64')
 }
 
 let browser: Browser
+/** The picture of the page without a bundler. */
+let expected: Picture
 
 beforeAll(async () => {
+  await rm(projects, { recursive: true, force: true })
+  await cp(join(import.meta.dirname, 'consumers'), projects, { recursive: true })
   browser = await launchBrowser({ backend: 'llvmpipe' })
+  expected = await visit(unbundled, 'plain/')
 })
 
 afterAll(async () => {
   await browser.close()
 })
 
-interface Consumer {
-  /** Makes what is served of `scene`, in `folder`; returns the page's head. */
-  build: (scene: string, folder: string) => Promise<string>
-  /** Folders of the server besides the page's own. */
-  served?: Record<string, string>
+/** react-three-fiber 9 has a clock that three has deprecated. */
+const NOT_OURS = /THREE\.Clock/
+
+/** Folders that a page without a bundler is served from, each of them with node_modules/. */
+const unbundled = [projects, consumer, root]
+
+interface Picture {
+  width: number
+  height: number
+  /** RGBA, 8 bits. */
+  pixels: number[]
 }
 
-const CONSUMERS: Record<string, Consumer> = {
-  Vite: {
-    async build(scene, folder) {
-      await writeFile(
-        join(consumer, 'index.html'),
-        `<script type="module" src="${scene}"></script>`,
-      )
-      await vite({
-        configFile: false,
-        root: consumer,
-        logLevel: 'error',
-        build: {
-          outDir: folder,
-          assetsDir: '.',
-          rolldownOptions: { input: join(consumer, scene) },
-        },
+/**
+ * Opens a page under the policy, and reads its canvas once it has drawn. Fails where the page breaks the policy, writes
+ * warnings or errors, or asks another origin for anything.
+ *
+ * @param folders - that hold the page, and what it imports
+ * @param use - what is done with the page then
+ */
+async function visit(
+  folders: string[],
+  path = '',
+  { overrides = {}, use }: { overrides?: Overrides; use?: (page: Page) => Promise<void> } = {},
+): Promise<Picture> {
+  const server = await serveFiles(folders, guarded, overrides)
+  const page = await browser.newPage()
+  const complaints: string[] = []
+  let fail!: (error: Error) => void
+  const failure = new Promise<never>((_, reject) => {
+    fail = reject
+  })
+  const complain = (text: string): void => {
+    complaints.push(text)
+    fail(new Error(text))
+  }
+  try {
+    page.on('console', (message) => {
+      const isWanted = ['error', 'warning'].includes(message.type())
+      if (isWanted && !NOT_OURS.test(message.text())) complain(message.text())
+    })
+    page.on('pageerror', (error) => {
+      complain(String(error))
+    })
+    page.on('response', (response) => {
+      if (!response.ok()) complain(`${response.status()} ${response.url()}`)
+    })
+    page.on('request', (request) => {
+      if (!request.url().startsWith(server.url)) complain(`asks for ${request.url()}`)
+    })
+    await page.exposeFunction('complain', complain)
+    await page.addInitScript(() => {
+      document.addEventListener('securitypolicyviolation', (event) => {
+        window.complain(`${event.violatedDirective}: ${event.blockedURI} ${event.sample}`)
       })
-      return script(await entryOf(folder))
-    },
-  },
-  webpack: {
-    async build(scene, folder) {
-      const stats = await new Promise<webpack.Stats>((resolve, reject) => {
-        webpack(
-          {
-            mode: 'production',
-            context: consumer,
-            entry: `./${scene}`,
-            // Chunks by import(), not by elements whose addresses trusted types forbid.
-            experiments: { outputModule: true },
-            output: { path: folder, filename: 'entry.js', publicPath: '/', module: true },
-            performance: { hints: false },
-          },
-          (error, result) => {
-            if (error) reject(error)
-            else resolve(result!)
-          },
-        )
-      })
-      expect(stats.toJson({ all: false, errors: true, warnings: true })).toMatchObject({
-        errors: [],
-        warnings: [],
-      })
-      return script('entry.js')
-    },
-  },
-  esbuild: {
-    async build(scene, folder) {
-      const { warnings } = await esbuild({
-        absWorkingDir: consumer,
-        entryPoints: { entry: scene },
-        outdir: folder,
-        bundle: true,
-        splitting: true,
-        minify: true,
-        format: 'esm',
-        logLevel: 'silent',
-      })
-      expect(warnings).toEqual([])
-      return script('entry.js')
-    },
-  },
-  'a page with an import map': {
-    async build(scene, folder) {
-      await cp(join(consumer, scene), join(folder, scene))
-      const imports = {
-        three: '/three/build/three.module.js',
-        'three/addons/': '/three/examples/jsm/',
-        'three-diffraction': '/three-diffraction/dist/index.js',
-      }
-      return `<script type="importmap">${JSON.stringify({ imports })}</script>${script(scene)}`
-    },
-    served: {
-      '/three/': join(root, 'node_modules', 'three'),
-      '/three-diffraction/': installed,
-    },
-  },
+    })
+    const draw = async (): Promise<Picture> => {
+      await page.goto(server.url + path)
+      await page.waitForFunction(() => document.title === 'drawn')
+      const picture = await page.evaluate(readCanvas)
+      await use?.(page)
+      return picture
+    }
+    const picture = await Promise.race([failure, draw()])
+    expect(complaints).toEqual([])
+    return picture
+  } finally {
+    await page.close()
+    await server.close()
+  }
 }
 
-describe('a scene', () => {
-  let first: number[] | null = null
+function readCanvas(): Picture {
+  const gl = document.querySelector('canvas')!.getContext('webgl2')!
+  const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
+  const pixels = new Uint8Array(4 * width * height)
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels)
+  return { width, height, pixels: [...pixels] }
+}
 
-  it.each(Object.keys(CONSUMERS))(
-    'is drawn from the tarball by %s, under a strict policy',
-    async (name) => {
-      const { build, served = {} } = CONSUMERS[name]!
-      const folder = join(consumer, 'dist', name.replaceAll(' ', '-'))
-      await rm(folder, { recursive: true, force: true })
-      await mkdir(folder, { recursive: true })
-      await cp(join(root, 'tests/package/consumers/scene.js'), join(consumer, 'scene.js'))
-      const head = await build('scene.js', folder)
-      const folders = { '/maps/': join(installed, 'maps', 'baked'), ...served, '/': folder }
-      const server = await serve(folders, `<!doctype html><meta charset="utf-8">${head}<body>`)
-      const page = await browser.newPage()
-      const complaints: string[] = []
-      page.on('console', (message) => {
-        if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
-      })
-      page.on('pageerror', (error) => complaints.push(String(error)))
-      const { port } = server.address() as AddressInfo
-      const origin = `http://127.0.0.1:${port}`
-      page.on('request', (request) => {
-        if (!request.url().startsWith(origin)) complaints.push(request.url())
-      })
-      try {
-        await page.goto(origin)
-        await page
-          .waitForFunction(() => 'drawn' in window)
-          .catch((error: unknown) => {
-            throw new Error([String(error), ...complaints].join('\n'))
-          })
-        const drawn = await page.evaluate<{ pixels: number[]; features: string[]; error?: string }>(
-          'window.drawn',
-        )
-        expect(drawn.error).toBeUndefined()
-        expect(drawn.features).toContain('table of the environment for a flat surface')
-        // What is not covered is black; what is has colours, and many.
-        const colours = new Set<number>()
-        for (let i = 0; i < drawn.pixels.length; i += 4)
-          colours.add((drawn.pixels[i]! << 16) | (drawn.pixels[i + 1]! << 8) | drawn.pixels[i + 2]!)
-        expect(colours.size).toBeGreaterThan(300)
-        first ??= drawn.pixels
-        expect(drawn.pixels).toEqual(first)
-        expect(complaints).toEqual([])
-      } finally {
-        await page.close()
-        server.close()
-      }
-    },
-  )
+function blueOf({ pixels }: Picture): number {
+  return pixels.reduce((sum, value, i) => (i % 4 === 2 ? sum + value : sum), 0)
+}
+
+async function build(name: string): Promise<string> {
+  const project = join(projects, name)
+  await runNpm(`Building for ${name}`, ['run', 'build', '--prefix', project])
+  return project
+}
+
+/** Compilers may reorder sums: a step of 8 bits. */
+function expectSame({ width, height, pixels }: Picture): void {
+  expect([width, height]).toEqual([expected.width, expected.height])
+  const steps = pixels.map((value, i) => Math.abs(value - expected.pixels[i]!))
+  expect(steps.filter((step) => step > 1)).toEqual([])
+}
+
+it('draws colours of its own without a bundler', () => {
+  const { width, height, pixels } = expected
+  const colours = Array.from({ length: width * height }, (_, i) => pixels.slice(4 * i, 4 * i + 3))
+  const vivid = colours.filter((colour) => Math.max(...colour) - Math.min(...colour) > 60)
+  expect(vivid.length).toBeGreaterThan(0.05 * colours.length)
+  // Red, green and blue each lead somewhere.
+  const leaders = new Set(vivid.map((colour) => colour.indexOf(Math.max(...colour))))
+  expect([...leaders].sort()).toEqual([0, 1, 2])
 })
 
-function script(name: string): string {
-  return `<script type="module" src="/${name}"></script>`
-}
+it.each(['vite', 'webpack', 'esbuild'])('draws the same built by %s', async (name) => {
+  expectSame(await visit([join(await build(name), 'dist')]))
+})
 
-/** The module that a build made of the scene: the one that sets `drawn`. */
-async function entryOf(folder: string): Promise<string> {
-  for (const file of await readdir(folder))
-    if (file.endsWith('.js') && (await readFile(join(folder, file), 'utf8')).includes('drawn'))
-      return file
-  throw new Error(`No entry in ${folder}`)
-}
-
-/** Files of folders by the start of their addresses, and a page, whose inline scripts alone are allowed by their sum. */
-async function serve(folders: Record<string, string>, page: string): Promise<Server> {
-  const inline = Array.from(
-    page.matchAll(/<script type="importmap">(.*?)<\/script>/g),
-    ([, text]) => createHash('sha256').update(text!).digest('base64'),
-  )
-  const scripts = [POLICY['script-src'], ...inline.map((sum) => `'sha256-${sum}'`)].join(' ')
-  const policy = Object.entries({ ...POLICY, 'script-src': scripts })
-    .map(([name, value]) => `${name} ${value}`)
-    .join('; ')
-  const server = createServer((request, response) => {
-    const path = decodeURIComponent(new URL(request.url!, 'http://host').pathname)
-    const respond = (status: number, type: string, body: string | Buffer): void => {
-      response.writeHead(status, { 'content-type': type, 'content-security-policy': policy })
-      response.end(body)
-    }
-    if (path === '/') {
-      respond(200, 'text/html', page)
-      return
-    }
-    if (path === '/favicon.ico') {
-      respond(204, 'image/x-icon', '')
-      return
-    }
-    const [start, folder] = Object.entries(folders).find(([prefix]) => path.startsWith(prefix))!
-    const file = join(folder, normalize(path.slice(start.length)))
-    readFile(file).then(
-      (body) => {
-        respond(200, TYPES[extname(file)] ?? 'application/octet-stream', body)
-      },
-      () => {
-        respond(404, 'text/plain', '')
-      },
-    )
+describe('modules that are pinned', () => {
+  it('draw the same', async () => {
+    await build('plain')
+    expectSame(await visit(unbundled, 'plain/pinned.html'))
   })
-  await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve))
-  return server
-}
+
+  it.each(['index', 'maps/load', 'maps/png'])('are refused where %s differs', async (name) => {
+    const path = `/node_modules/three-diffraction/dist/${name}.js`
+    const content = await readFile(join(consumer, path), 'utf8')
+    const overrides = { [path]: `${content}\n` }
+    const visited = visit(unbundled, 'plain/pinned.html', { overrides })
+    await expect(visited).rejects.toThrow(/integrity/)
+  })
+})
+
+it('draws the same with the version of three before', async () => {
+  const html = await readFile(join(projects, 'plain/index.html'), 'utf8')
+  const overrides = { '/plain/index.html': html.replaceAll('/three/', '/three-previous/') }
+  expectSame(await visit(unbundled, 'plain/', { overrides }))
+})
+
+it('draws the same as an element of react-three-fiber, takes its props, and goes with it', async () => {
+  const folder = join(await build('react-three-fiber'), 'dist')
+  const use = async (page: Page): Promise<void> => {
+    const next = page.getByRole('button', { name: 'Next' })
+    await next.click()
+    const gold = blueOf(expected)
+    await expect
+      .poll(async () => blueOf(await page.evaluate(readCanvas)))
+      .toBeGreaterThan(1.1 * gold)
+    await next.click()
+    await page.waitForFunction(() => {
+      const { memory, programs } = window.renderer.info
+      return memory.textures === 0 && memory.geometries === 0 && programs!.length === 0
+    })
+  }
+  expectSame(await visit([folder], '', { use }))
+})

@@ -1,4 +1,6 @@
 import {
+  CircleGeometry,
+  Color,
   DataTexture,
   DirectionalLight,
   EquirectangularReflectionMapping,
@@ -6,53 +8,75 @@ import {
   Mesh,
   PerspectiveCamera,
   PlaneGeometry,
-  RingGeometry,
+  RGBAFormat,
   Scene,
   WebGLRenderer,
 } from 'three'
 import { DiffractionMaterial, Foil, Grating } from 'three-diffraction'
 
-/**
- * A disc and a foil card under a light and a grey sky with a white half, as every consumer draws them.
- *
- * @param {string} mapsPath
- */
-async function draw(mapsPath) {
-  const renderer = new WebGLRenderer({ preserveDrawingBuffer: true })
-  renderer.setSize(96, 64)
-  document.body.append(renderer.domElement)
-  const scene = new Scene()
-  const sky = new Float32Array(8 * 4 * 4).map((_, i) => (i % 32 < 16 ? 1 : 0.3))
-  scene.environment = new DataTexture(sky, 8, 4, undefined, FloatType)
-  scene.environment.mapping = EquirectangularReflectionMapping
-  scene.environment.needsUpdate = true
-  const light = new DirectionalLight(0xffffff, 2)
-  light.position.set(0.35, 0.2, 1)
-  scene.add(light)
-  const disc = new DiffractionMaterial({
-    surface: new Grating({ period: 1.6, height: 0.12, profile: 'rectangular', tracks: 'circular' }),
-    mapsPath,
-  })
-  const card = new DiffractionMaterial({
-    surface: await Foil.load(`${mapsPath}foil-polygons`),
-    roughness: 0.01,
-    maxError: 0.01,
-    mapsPath,
-  })
-  await Promise.all([disc.ready, card.ready])
-  const left = new Mesh(new RingGeometry(0.3, 0.9, 48), disc)
-  const right = new Mesh(new PlaneGeometry(1.6, 1.6), card)
-  left.position.x = -1
-  right.position.x = 1
-  scene.add(left, right)
-  const camera = new PerspectiveCamera(40, 1.5, 0.1, 10)
-  camera.position.z = 3
-  for (let frame = 0; frame < 4; frame++) renderer.render(scene, camera)
-  const gl = renderer.getContext()
-  const pixels = new Uint8Array(4 * 96 * 64)
-  gl.readPixels(0, 0, 96, 64, gl.RGBA, gl.UNSIGNED_BYTE, pixels)
-  const features = card.explain().filter(({ included }) => included)
-  return { pixels: Array.from(pixels), features: features.map(({ feature }) => feature) }
+/** @satisfies {import('three-diffraction').GratingOptions} */
+export const disc = {
+  period: 1.6,
+  height: 0.12,
+  profile: 'rectangular',
+  tracks: /** @type {const} */ ('circular'),
 }
 
-Object.assign(window, { drawn: draw('/maps/').catch((error) => ({ error: String(error) })) })
+/**
+ * Arguments of a DataTexture: a dark sky with a bright window.
+ *
+ * @returns {ConstructorParameters<typeof DataTexture>}
+ */
+export function sky() {
+  const [width, height] = [32, 16]
+  const texels = new Float32Array(4 * width * height)
+  for (let i = 0; i < width * height; i++) {
+    const [column, row] = [i % width, Math.floor(i / width)]
+    const radiance = column > 20 && column < 26 && row > 8 && row < 12 ? 1.5 : 0.05
+    texels.set([radiance, radiance, radiance, 1], 4 * i)
+  }
+  return [texels, width, height, RGBAFormat, FloatType, EquirectangularReflectionMapping]
+}
+
+/**
+ * Draws a disc with circular tracks and a card of foil.
+ *
+ * @param {string} maps folder of the package's maps, with its slash
+ */
+export async function drawScene(maps) {
+  // Kept for those who read the picture back.
+  const renderer = new WebGLRenderer({ antialias: false, preserveDrawingBuffer: true })
+  renderer.setSize(160, 100)
+  document.body.append(renderer.domElement)
+  const scene = new Scene()
+  scene.background = new Color(0x101010)
+  scene.environment = new DataTexture(...sky())
+  scene.environment.needsUpdate = true
+  const camera = new PerspectiveCamera(40, 1.6, 0.1, 10)
+  camera.position.z = 3
+
+  const sun = new DirectionalLight(0xffffff, 0.3)
+  sun.position.set(0.2, 0.5, 1)
+  sun.userData.angularRadius = 0.02
+  scene.add(sun)
+
+  const grating = new DiffractionMaterial({ surface: new Grating(disc), mapsPath: maps })
+  const left = new Mesh(new CircleGeometry(0.75, 64), grating)
+  left.position.x = -0.8
+  scene.add(left)
+
+  const foil = await Foil.load(`${maps}foil-polygons`)
+  const metal = new DiffractionMaterial({
+    surface: foil,
+    metal: 'gold',
+    roughness: 0.01,
+    mapsPath: maps,
+  })
+  const right = new Mesh(new PlaneGeometry(1.4, 1.4), metal)
+  right.position.x = 0.8
+  scene.add(right)
+
+  await Promise.all([grating.ready, metal.ready])
+  renderer.render(scene, camera)
+  document.title = 'drawn'
+}

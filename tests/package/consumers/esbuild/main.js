@@ -1,0 +1,3 @@
+import { drawScene } from '../scene.js'
+
+await drawScene('maps/baked/')
