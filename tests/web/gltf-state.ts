@@ -25,7 +25,7 @@ export async function stateOf(material: DiffractionMaterial): Promise<object> {
 }
 
 /** Settings of which it matters whether they were given. */
-const CHOSEN = ['method', 'efficiencies', 'wavelengthStep', 'environmentNodes']
+const CHOSEN = ['energy', 'method', 'efficiencies', 'wavelengthStep', 'environmentNodes']
 
 async function surfaceState(material: DiffractionMaterial): Promise<object> {
   const { surface, method, mapsPath } = material

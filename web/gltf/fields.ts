@@ -59,7 +59,6 @@ export const FIELD_MAPS = ['jacobi-anger', 'taylor', 'baked'] as const
 export const MATERIAL_FIELDS = {
   metal: { read: text },
   observer: { read: text },
-  energy: { read: text },
   roughness: { read: number },
   coherence: { read: number },
   lightAngularRadius: { read: number, initial: null },
@@ -67,6 +66,9 @@ export const MATERIAL_FIELDS = {
   coatIor: { read: number, initial: 1.5 },
   coatRoughness: { read: number, initial: 0 },
 } satisfies Fields
+
+/** What is only written where it was given: else the surface has its own. */
+export const GIVEN_FIELDS = { energy: { read: text } } satisfies Fields
 
 /** How it is drawn, but for what a largest error may choose. */
 export const RENDERING_FIELDS = {
@@ -76,7 +78,7 @@ export const RENDERING_FIELDS = {
   diffraction: { read: truth, initial: true },
 } satisfies Fields
 
-/** What is only written where it was given: the rest is the default's or `maxError`'s. */
+/** Likewise: the rest is the default's or `maxError`'s. */
 export const CHOSEN_FIELDS = {
   method: { read: text },
   efficiencies: { read: text },

@@ -12,6 +12,7 @@ import {
   CHOSEN_FIELDS,
   expectOnly,
   FIELD_MAPS,
+  GIVEN_FIELDS,
   MATERIAL_FIELDS,
   numbers,
   readFields,
@@ -44,7 +45,7 @@ export async function readMaterial(
 ): Promise<DiffractionMaterialOptions> {
   expectOnly(reader, [
     ...['surface', 'illuminant', 'illuminantMap', 'matteColorFactor', 'matteColorTexture'],
-    ...Object.keys(MATERIAL_FIELDS),
+    ...Object.keys({ ...MATERIAL_FIELDS, ...GIVEN_FIELDS }),
     'rendering',
   ])
   const rendering = reader.field('rendering')
@@ -61,7 +62,7 @@ export async function readMaterial(
   }
   return {
     surface,
-    ...readFields(reader, MATERIAL_FIELDS),
+    ...readFields(reader, { ...MATERIAL_FIELDS, ...GIVEN_FIELDS }),
     ...drawn,
     ...(illuminant !== undefined && { illuminant }),
     ...readMatte(reader),
@@ -134,7 +135,7 @@ async function readSurface(
   if (profile !== undefined) options.profile = profile
   if (kind === 'grating') return new Grating(options as unknown as GratingOptions)
   if (options.repeat !== undefined) options.repeat = new Vector2(...(options.repeat as number[]))
-  return new Foil(await files.load(reader.field('map'), 'foil'), options)
+  return Foil.of(await files.load(reader.field('map'), 'foil'), options)
 }
 
 function readMatte(reader: JsonReader): { color?: Color } {

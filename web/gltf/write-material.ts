@@ -14,10 +14,12 @@ import { within } from '../validation.ts'
 import {
   CHOSEN_FIELDS,
   FIELD_MAPS,
+  GIVEN_FIELDS,
   MATERIAL_FIELDS,
   RENDERING_FIELDS,
   SURFACE_FIELDS,
   writeFields,
+  type Fields,
 } from './fields.ts'
 import type { MapWriter } from './map-writer.ts'
 import { tableOf } from './tables.ts'
@@ -37,14 +39,14 @@ export async function writeMaterial(
   writer: GLTFWriter,
 ): Promise<Json> {
   const { illuminant, observer, mapsPath, color, map } = material
-  const chosen = Object.entries(CHOSEN_FIELDS).filter(([name]) =>
-    material.given.has(name as keyof typeof CHOSEN_FIELDS),
-  )
-  const rendering = writeFields(material, { ...RENDERING_FIELDS, ...Object.fromEntries(chosen) })
+  const rendering = writeFields(material, {
+    ...RENDERING_FIELDS,
+    ...givenOf(material, CHOSEN_FIELDS),
+  })
   const rgb = color.toArray().map((share) => within('DiffractionMaterial', 'color', share, 0, 1))
   return {
     surface: await writeSurface(material, maps),
-    ...writeFields(material, MATERIAL_FIELDS),
+    ...writeFields(material, { ...MATERIAL_FIELDS, ...givenOf(material, GIVEN_FIELDS) }),
     ...(ILLUMINANTS[observer]!.includes(illuminant)
       ? { illuminant }
       : { illuminantMap: await indexOf(material, spectrumUrls(material, mapsPath).lobes, maps) }),
@@ -52,6 +54,12 @@ export async function writeMaterial(
     ...(map !== null && { matteColorTexture: await writeTexture(map, writer) }),
     ...(Object.keys(rendering).length > 0 && { rendering }),
   }
+}
+
+/** Of fields that are settings, those that were given. */
+function givenOf({ given }: DiffractionMaterial, fields: Fields): Fields {
+  const found = Object.entries(fields).filter(([name]) => given.has(name as keyof OpticsSettings))
+  return Object.fromEntries(found)
 }
 
 async function writeSurface(material: DiffractionMaterial, maps: MapWriter): Promise<Json> {

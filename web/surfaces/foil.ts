@@ -51,8 +51,12 @@ export class Foil extends GratingSurface {
 
   /** Loads the map at an address without extension, as in `maps/baked/foil-dots`. */
   static async load(url: string, options: FoilOptions = {}): Promise<Foil> {
-    const map = expectKind(await loadSharedMap(url), 'foil')
-    // Some of a foil takes long to look at: before it is made, in between frames.
+    return Foil.of(await loadSharedMap(url), options)
+  }
+
+  /** Of a map that is loaded. Some of a foil takes long to look at: here it is done before, in between frames. */
+  static async of(map: LoadedMap, options: FoilOptions = {}): Promise<Foil> {
+    expectKind(map, 'foil')
     await bitByBit(foilContents(map, periodsOf(map), options.filtered ?? true))
     return new Foil(map, options)
   }
