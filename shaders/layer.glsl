@@ -41,6 +41,15 @@ void addDiffractedEnvironment(vec3 wo, float occlusion) {
 	#endif // DIFFRACTION, ENVIRONMENT
 }
 
+// Share of the surface that the layer covers, 0 to 1.
+float layerShare() {
+	#ifdef DIFFRACTION
+	return uLayerStrength * layerPoint.strength;
+	#else
+	return 0.0;
+	#endif // DIFFRACTION
+}
+
 // What leaves the layer (linear sRGB) where `base` would leave the material below it. Nothing of it shines through metal.
 vec3 layered(vec3 base) {
 	#ifdef DIFFRACTION
@@ -48,7 +57,7 @@ vec3 layered(vec3 base) {
 	#ifdef GAMUT_MAPPED
 	rgb = gamutMapped(rgb);
 	#endif // GAMUT_MAPPED
-	return mix(base, rgb, uLayerStrength * layerPoint.strength);
+	return mix(base, rgb, layerShare());
 	#else
 	return base;
 	#endif // DIFFRACTION

@@ -2,7 +2,7 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest'
 import type { LayerRequest } from './harness/layer'
 import type { SceneDescription } from './harness/scene-description'
 import { openHarness } from './open-harness.mjs'
-import { floats, readScene, render, type HarnessHandle } from './read-scene'
+import { dot, floats, normalized, readScene, render, type HarnessHandle } from './read-scene'
 
 let harness: HarnessHandle
 
@@ -98,17 +98,24 @@ describe('a layer of full strength', () => {
   })
 })
 
-it('mixes with the base by its strength', async () => {
+it.each([
+  ['a rough one', { roughness: 0.6, metalness: 0.3, emissive: [0.1, 0, 0.2] }],
+  // Without anything behind it glass is transparent in the picture; the layer is not.
+  ['glass', { roughness: 0.1, transmission: 1 }],
+] as const)('mixes with the base by its strength: %s', async (_, parameters) => {
   const request: LayerRequest = {
     scene: ball,
-    base: 'standard',
-    parameters: { color: [0.8, 0.4, 0.2], roughness: 0.6, metalness: 0.3, emissive: [0.1, 0, 0.2] },
+    base: 'physical',
+    parameters: { color: [0.8, 0.4, 0.2], ...(parameters as LayerRequest['parameters']) },
   }
   const base = (await draw(request)).pixels
   const whole = (await draw({ ...request, layer: {} })).pixels
   const part = (await draw({ ...request, layer: { strength: 0.3 } })).pixels
-  const expected = base.map((value, i) => (i % 4 === 3 ? value : 0.7 * value + 0.3 * whole[i]!))
+  const expected = base.map((value, i) => 0.7 * value + 0.3 * whole[i]!)
   expect(difference(part, expected)).toBeLessThan(1e-6)
+  const middle = 4 * (24 * 48 + 24)
+  expect(whole[middle + 3]).toBe(1)
+  if ('transmission' in parameters) expect(base[middle + 3]).toBeLessThan(0.9)
 })
 
 it('lies under a clearcoat, which takes its share once and adds its own light', async () => {
@@ -125,22 +132,32 @@ it('lies under a clearcoat, which takes its share once and adds its own light', 
   ).pixels
   const coat = (await draw({ scene, base: 'physical', parameters: coated })).pixels
   const both = (await draw({ scene, base: 'physical', parameters: coated, layer: {} })).pixels
-  const middle = 4 * (24 * 48 + 24)
-  // Seen along the normal: Fresnel's 0.04 of an index of 1.5.
-  for (const channel of [0, 1, 2])
-    expect(both[middle + channel]).toBeCloseTo(
-      0.96 * layer[middle + channel]! + coat[middle + channel]!,
-      3,
+  const geometry = await render(harness, scene)
+  const { covered } = geometry
+  expect(covered.length).toBeGreaterThan(1000)
+  const highlight = Math.max(...covered.map((pixel) => coat[4 * pixel]!))
+  expect(highlight).toBeGreaterThan(0.1)
+  for (const pixel of covered) {
+    // Schlick's approximation, index 1.5; three's fit to its power is off by 0.0038 at most.
+    const cosine = -dot(
+      geometry.vector('normal', pixel),
+      normalized(geometry.vector('position', pixel)),
     )
-  expect(coat[middle]).toBeGreaterThan(0.01)
+    const through = 0.96 * (1 - (1 - cosine) ** 5)
+    for (const i of [4 * pixel, 4 * pixel + 1, 4 * pixel + 2]) {
+      const expected = through * layer[i]! + coat[i]!
+      expect(Math.abs(both[i]! - expected)).toBeLessThan(0.004 * Math.abs(layer[i]!) + 1e-6)
+    }
+  }
 })
 
 describe('hooks of others', () => {
   it.each(['before', 'after', 'around'] as const)('work if they are set %s', async (hook) => {
     const request: LayerRequest = { scene: ball, base: 'standard', layer: {} }
-    const plain = (await draw(request)).pixels
+    const mesh = { ...ball.mesh, position: [0.25, 0, 0] as [number, number, number] }
+    const moved = (await draw({ ...request, scene: { ...ball, mesh } })).pixels
     const hooked = (await draw({ ...request, hook })).pixels
-    const expected = plain.map((value, i) => (i % 4 === 0 ? 0.5 * value : value))
+    const expected = moved.map((value, i) => (i % 4 === 0 ? 0.5 * value : value))
     expect(difference(hooked, expected)).toBeLessThan(1e-6)
   })
 

@@ -4,6 +4,7 @@ import {
   MeshStandardMaterial,
   REVISION,
   ShaderLib,
+  Texture,
 } from 'three'
 import { MeshPhysicalNodeMaterial, NodeMaterialInstance } from 'three/webgpu'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
@@ -171,6 +172,7 @@ describe('a layer', () => {
       [{ maxError: 0 }, 'maxError'],
       [{ gamut: 'none' }, 'gamut'],
       [{ lightAngularRadius: 4 }, 'lightAngularRadius'],
+      [{ envMap: new Texture() }, 'envMap'],
     ]
     for (const [options, field] of bad) {
       refuses(() => made(options, bare), name, field)

@@ -34,10 +34,12 @@ const originals = new WeakMap<Texture, Texture>()
 /**
  * An environment as the shader wants it: mip levels, linear filters, an equirectangular one repeating along u.
  * A copy is made that shares its image where nothing in it needs repair, and the texture given is left as it is. Null as long as the image is not loaded.
+ *
+ * @param owner - named by errors
  */
-export function environmentMap(given: Texture): EnvironmentMap | null {
+export function environmentMap(given: Texture, owner: string): EnvironmentMap | null {
   const texture = originals.get(given) ?? given
-  checkEnvironment(texture)
+  checkEnvironment(texture, owner)
   const isCube = isCubeTexture(texture)
   const size = sizeOf(texture)
   if (size === 0 || (texture.version === 0 && !texture.isRenderTargetTexture)) return null
@@ -92,8 +94,8 @@ function takeImage(copy: Texture, original: Texture): number {
   return light.changed
 }
 
-/** Refuses textures that hold no plain environment. */
-export function checkEnvironment(given: Texture): void {
+/** Refuses textures that hold no plain environment, in the name of who was given it. */
+export function checkEnvironment(given: Texture, owner: string): void {
   const texture = originals.get(given) ?? given
   const isPrefiltered = texture.isPMREMTexture
   const isEquirect =
@@ -101,7 +103,7 @@ export function checkEnvironment(given: Texture): void {
     texture.mapping === EquirectangularRefractionMapping
   if (isPrefiltered || !(isEquirect || isCubeTexture(texture)))
     throw new DiffractionError({
-      file: 'DiffractionMaterial',
+      file: owner,
       field: 'envMap',
       value: isPrefiltered ? 'the output of PMREMGenerator' : `mapping ${texture.mapping}`,
       expected:

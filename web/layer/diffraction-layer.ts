@@ -125,7 +125,7 @@ export class DiffractionLayer {
     const defines = new Defines((values) => {
       this.#defines?.use(values)
     })
-    this.#scene = new SceneOptics(defines, this.#uniforms)
+    this.#scene = new SceneOptics(NAME, defines, this.#uniforms)
     this.#chosen = new ChosenOptics(
       {
         name: NAME,
@@ -237,7 +237,7 @@ export class DiffractionLayer {
         own.lightAngularRadius = value === null ? null : angularRadius(NAME, name, value)
         break
       case 'envMap':
-        if (value !== null) checkEnvironment(value as Texture)
+        if (value !== null) checkEnvironment(value as Texture, NAME)
         own.envMap = value as Texture | null
         break
       case 'planarEnvironment':

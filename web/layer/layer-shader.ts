@@ -33,7 +33,13 @@ const INSERTIONS = (surface: Surface): Insertion[] => [
   },
   {
     anchor: 'vec3 outgoingLight = totalDiffuse + totalSpecular + totalEmissiveRadiance;',
-    after: 'outgoingLight = layered(outgoingLight);',
+    after: [
+      'outgoingLight = layered(outgoingLight);',
+      // Glass has the opacity of what is seen through it; metal on it has its own.
+      '#ifdef USE_TRANSMISSION',
+      'material.transmissionAlpha = mix(material.transmissionAlpha, 1.0, layerShare());',
+      '#endif // USE_TRANSMISSION',
+    ].join('\n'),
   },
 ]
 

@@ -84,7 +84,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       this.defines = values
       this.needsUpdate = true
     })
-    this.#scene = new SceneOptics(defines, this.uniforms)
+    this.#scene = new SceneOptics(OWNER, defines, this.uniforms)
     this.#chosen = new ChosenOptics(
       {
         name: OWNER,
@@ -324,11 +324,11 @@ export class DiffractionMaterial extends ShaderMaterial {
    */
   get envMap(): Texture | null {
     if (this.#envMap === null) return null
-    return environmentMap(this.#envMap)?.texture ?? this.#envMap
+    return environmentMap(this.#envMap, OWNER)?.texture ?? this.#envMap
   }
 
   set envMap(value: Texture | null) {
-    if (value !== null) checkEnvironment(value)
+    if (value !== null) checkEnvironment(value, OWNER)
     this.#envMap = value
   }
 

@@ -79,10 +79,12 @@ export class SceneOptics {
   #rough: RoughEnvironment | null = null
 
   /**
+   * @param name - of the material, for errors
    * @param defines - of the program; others may be among them
    * @param uniforms - likewise; those of the optics are put here
    */
   constructor(
+    private readonly name: string,
     readonly defines: Defines,
     readonly uniforms: Record<string, IUniform>,
   ) {
@@ -199,7 +201,7 @@ export class SceneOptics {
   /** The material's environment before the scene's, as for three's own materials. */
   #followEnvironment({ scene, environment: own }: SceneDraw): EnvironmentMap | null {
     const given = own?.map ?? environmentOf(scene)
-    const environment = given === null ? null : environmentMap(given)
+    const environment = given === null ? null : environmentMap(given, this.name)
     this.defines.set('ENVIRONMENT_EQUIRECT', environment !== null && !environment.isCube)
     this.defines.set('ENVIRONMENT_CUBE', environment?.isCube === true)
     this.#environmentRepaired = environment?.repaired ?? 0

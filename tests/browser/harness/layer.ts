@@ -21,10 +21,11 @@ export interface LayerRequest {
     clearcoat?: number
     clearcoatRoughness?: number
     specularIntensity?: number
+    transmission?: number
   }
   /** Without them there is no layer. */
   layer?: Partial<Omit<DiffractionLayerSettings, 'surface' | 'onError' | 'envMap'>>
-  /** A hook of somebody else's that makes the picture half as red, and when it is set. */
+  /** A hook of somebody else's that moves the mesh by 0.25 along x and makes it half as red, and when it is set. */
   hook?: 'before' | 'after' | 'around'
   /** Whether the layer is taken off again before it is drawn. */
   removed?: boolean
@@ -47,11 +48,13 @@ export interface LayeredPicture {
 
 type Shader = Parameters<MeshStandardMaterial['onBeforeCompile']>[0]
 
+const MOVED = '#include <begin_vertex>\n\ttransformed.x += 0.25;'
 const HALF_RED = '#include <opaque_fragment>\n\tgl_FragColor.r *= 0.5;'
 
-/** Adds a line; refuses where it was added already. */
-function halveRed(shader: Shader): void {
+/** Adds two lines; refuses where they were added already. */
+function moveAndTint(shader: Shader): void {
   if (shader.fragmentShader.includes(HALF_RED)) throw new Error('The hook was called twice')
+  shader.vertexShader = shader.vertexShader.replace('#include <begin_vertex>', MOVED)
   shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', HALF_RED)
 }
 
@@ -68,7 +71,7 @@ export async function drawLayer(
     ...(emissive && { emissive: new Color(...emissive) }),
     side: built.mesh.material.side,
   })
-  if (hook === 'before') material.onBeforeCompile = halveRed
+  if (hook === 'before') material.onBeforeCompile = moveAndTint
   const lay = async (surface: SurfaceDescription): Promise<DiffractionLayer> => {
     const layer = diffractionLayer(material, {
       surface: await buildSurface(surface),
@@ -94,12 +97,12 @@ export async function drawLayer(
   if (layer === null) layer = request.layer ? await lay(description.surface) : null
   else layer.set({ surface: await buildSurface(description.surface) })
   await layer?.ready
-  if (hook === 'after') material.onBeforeCompile = halveRed
+  if (hook === 'after') material.onBeforeCompile = moveAndTint
   if (hook === 'around') {
     const found = material.onBeforeCompile.bind(material)
     material.onBeforeCompile = (shader, by) => {
       found(shader, by)
-      halveRed(shader)
+      moveAndTint(shader)
     }
   }
   if (request.removed) layer?.remove()
