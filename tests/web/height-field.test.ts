@@ -95,8 +95,8 @@ describe('a material', () => {
     expect(material.method).toBe('jacobi-anger')
     material.surface = new Grating({ period: 1, height: 0.1 })
     expect(material.method).toBe('closed-form')
-    // Both surfaces have it.
-    expect(material.energy).toBe('kirchhoff')
+    // Nobody gave the field's.
+    expect(material.energy).toBe('conserving')
   })
 
   it('shows finite repeats but line by line', async () => {
