@@ -1,8 +1,9 @@
 /** Work that may be left at each `yield`, and taken up again later. */
 export type Steps<Result> = Generator<undefined, Result>
 
-/** How long a thread is kept from other work, ms: half a frame. */
-const LONGEST = 8
+/** How long a thread is kept from other work, ms: half a frame, or as long as that work takes, but never a long task. */
+const USUAL = 8
+const LONGEST = 40
 
 /** All of it now. */
 export function atOnce<Result>(steps: Steps<Result>): Result {
@@ -13,12 +14,14 @@ export function atOnce<Result>(steps: Steps<Result>): Result {
 
 /** Bit by bit, with time in between for frames and input. */
 export async function bitByBit<Result>(steps: Steps<Result>): Promise<Result> {
-  let until = performance.now() + LONGEST
+  let until = performance.now() + USUAL
   let step = steps.next()
   while (!step.done) {
-    if (performance.now() >= until) {
+    const left = performance.now()
+    if (left >= until) {
       await otherWork()
-      until = performance.now() + LONGEST
+      const back = performance.now()
+      until = back + Math.min(Math.max(back - left, USUAL), LONGEST)
     }
     step = steps.next()
   }
