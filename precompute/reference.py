@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from precompute.gratings import Grating, Light
-from precompute.profiles import efficiency
+from precompute.profiles import ComplexArray, efficiency
 from precompute.spectra import (
     WAVELENGTH_STEP,
     WAVELENGTHS,
@@ -420,7 +420,7 @@ def _lobe_sum(grating: Grating, wi: Array, wo: Array, λ: Array, angular_radius:
     (_, c_vv, _), determinant = covariance(w)
     Δ = λ / grating.period
     coherence = Δ**2 / 8 * (1 / _window_variance(grating, λ) - c_vv / determinant)
-    amplitudes: deque[Array] = deque(maxlen=apart + 1)  # c_m √N_m, the latest order first
+    amplitudes: deque[ComplexArray] = deque(maxlen=apart + 1)  # c_m √N_m, the latest order first
     total = np.zeros(λ.shape)
     for order in range(-limit, limit + 1):
         if grating.energy == "conserving":

@@ -113,7 +113,7 @@ it('has the faces of a cube where the cube has them', async () => {
 
 describe('is left out', () => {
   it.each<[string, SceneDescription, string]>([
-    ['of a smooth surface', { ...ball, material: {} }, 'smooth'],
+    ['of a smooth surface', { ...ball, material: {} }, 'roughness is 0'],
     ['of one that is hardly rough', { ...ball, material: { roughness: 0.003 } }, 'texel'],
     ['of the papers’ loop', { ...ball, material: { roughness, method: 'wavelength-loop' } }, 'mip'],
     ['without an environment', { ...ball, environment: undefined }, 'no env'],
