@@ -1,12 +1,11 @@
 import type { Feature } from '../web'
-import { DiffractionError, HeightField } from '../web'
+import { DiffractionError, Foil, HeightField } from '../web'
 import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
 import { Flash } from './light/flash'
 import { Surroundings } from './light/surroundings'
 import { loadSubject, SUBJECTS, type SubjectName } from './subjects'
-import { adjust } from './subjects/adjust'
 import { bakedMethods, FIELDS, type FieldName } from './subjects/fields'
-import { FOIL_MAP, loadFoil } from './subjects/foil-card'
+import { loadFoil } from './subjects/foils'
 import type { Subject } from './subjects/subject'
 import { Banner } from './ui/banner'
 import { Loading } from './ui/loading'
@@ -24,8 +23,7 @@ export class Demo {
   onChanged: () => void = () => undefined
 
   #subject: Subject | null = null
-  #subjectName: SubjectName = 'foil'
-  #foilUrl = FOIL_MAP
+  #subjectName: SubjectName = 'card'
 
   constructor(readonly viewer: Viewer) {
     this.surroundings = new Surroundings(viewer.scene)
@@ -42,9 +40,10 @@ export class Demo {
     return this.#subject !== null
   }
 
-  /** Address of the foil's map. */
+  /** Address of the map of the foil on show; empty where there is none. */
   get foilUrl(): string {
-    return this.#foilUrl
+    const { surface } = this.subject
+    return surface instanceof Foil ? surface.map.url : ''
   }
 
   /** The object on show. */
@@ -90,12 +89,13 @@ export class Demo {
     this.onChanged()
   }
 
-  /** Covers the card with another foil, unless its map is broken. */
+  /** Covers the object on show with another foil, unless its map is broken. */
   async showFoil(url: string): Promise<void> {
+    const { subject } = this
+    const { repeat } = subject
+    if (repeat === undefined) return
     await this.#load('the foil', async () => {
-      const foil = await loadFoil(url)
-      await this.#cover(await loadSubject('foil'), foil)
-      this.#foilUrl = url
+      await this.#cover(subject, await loadFoil(url, repeat))
     })
     this.onChanged()
   }
@@ -137,16 +137,7 @@ export class Demo {
 
   #take(subject: Subject): void {
     const before = this.#subject
-    if (before !== null) {
-      this.viewer.scene.remove(before.object)
-      const { metal, illuminant, method, coherence } = before.material
-      const isDielectric = subject.surface instanceof HeightField && subject.surface.ior !== null
-      adjust(subject.material, { illuminant, coherence, ...(!isDielectric && { metal }) })
-      // Each surface has methods of its own, and a baked pattern goes with settings of its own.
-      const isOffered = bakedMethods(subject.surface).includes(method)
-      if (isOffered && method !== 'baked' && subject.material.method !== 'baked')
-        subject.material.method = method
-    }
+    if (before !== null) this.viewer.scene.remove(before.object)
     this.#subject = subject
     subject.material.onError = (error) => {
       this.#refuse(error)

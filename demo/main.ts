@@ -61,7 +61,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   const environment = parameters.get('environment')
   const foil = parameters.get('foil')
   await Promise.all([
-    demo.showSubject(isSubjectName(scene) ? scene : 'foil'),
+    demo.showSubject(isSubjectName(scene) ? scene : 'card'),
     demo.showEnvironment(isEnvironmentName(environment) ? environment : 'warehouse'),
   ])
   // The banner says why.

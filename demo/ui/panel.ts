@@ -4,7 +4,7 @@ import type { Demo } from '../demo'
 import { adjust } from '../subjects/adjust'
 import { ENVIRONMENTS } from '../light/environments'
 import { bakedMethods, FIELDS, type FieldName } from '../subjects/fields'
-import { FOILS } from '../subjects/foil-card'
+import { FOILS } from '../subjects/foils'
 import type { Subject } from '../subjects/subject'
 import { choice, type ChoiceOptions } from './choice'
 import type { Control } from './control'
@@ -135,10 +135,13 @@ export class Panel {
         get: () => 100 * demo.subject.material.coat,
         set: (value) => (demo.subject.material.coat = value / 100),
       }),
-      this.#degrees('Bend', -120, 120, 1, {
-        get: () => demo.subject.bend?.get(),
-        set: (value) => demo.subject.bend?.set(value),
-      }),
+      this.#degrees(
+        'Bend',
+        -120,
+        120,
+        1,
+        property(() => demo.subject.sheet, 'angle'),
+      ),
     ])
   }
 
