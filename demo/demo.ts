@@ -1,5 +1,6 @@
 import type { Feature } from '../web'
 import { DiffractionError, Foil, HeightField } from '../web'
+import { Comparison } from './compare/comparison'
 import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
 import { Flash } from './light/flash'
 import { Surroundings } from './light/surroundings'
@@ -17,6 +18,7 @@ export class Demo {
   readonly flash = new Flash()
   readonly tilt = new Tilt()
   readonly surroundings: Surroundings
+  readonly comparison: Comparison
   readonly banner = new Banner()
   readonly loading = new Loading()
   /** Called when values have changed by other ways than their controls. */
@@ -27,6 +29,9 @@ export class Demo {
 
   constructor(readonly viewer: Viewer) {
     this.surroundings = new Surroundings(viewer.scene)
+    this.comparison = new Comparison(viewer, (error) => {
+      this.#refuse(error)
+    })
     this.flash.intensity = 2
     viewer.scene.add(this.flash.object)
     viewer.animate = (seconds) => this.tilt.advance(seconds)
@@ -72,6 +77,21 @@ export class Demo {
       this.#refuse(error)
     }
     this.viewer.invalidate()
+  }
+
+  /**
+   * Says how a task went: if it fails, why; if not, what is given. Returns what it results in, undefined where it
+   * failed.
+   */
+  async tell<T>(task: Promise<T>, done = ''): Promise<T | undefined> {
+    try {
+      const result = await task
+      if (done !== '') this.banner.note(done)
+      return result
+    } catch (error) {
+      this.#refuse(error)
+      return undefined
+    }
   }
 
   async showSubject(name: SubjectName): Promise<void> {
@@ -143,6 +163,7 @@ export class Demo {
       this.#refuse(error)
     }
     this.viewer.scene.add(subject.object)
+    if (this.comparison.isOn) this.comparison.compare(subject)
     this.tilt.hold(subject.object, subject.tilt)
     this.flash.azimuth = subject.flash.azimuth
     this.flash.height = subject.flash.height
