@@ -1,5 +1,6 @@
 import { Demo } from './demo'
 import { isEnvironmentName } from './light/environments'
+import { keepOffline } from './offline/keep-offline'
 import { follow } from './link/link'
 import { cameraSetting, tiltSetting } from './link/poses'
 import { isSubjectName, SUBJECTS } from './subjects'
@@ -90,4 +91,6 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   await demo.tell(follow(parameters, settings))
   demo.onChanged()
   viewer.invalidate()
+  // Not before what is seen at first is there.
+  keepOffline()
 }

@@ -27,4 +27,4 @@ export interface Subject {
 }
 
 /** Addresses of the maps, as the page's server offers them. */
-export const MAPS = '/maps/baked/'
+export const MAPS = `${import.meta.env.BASE_URL}maps/baked/`
