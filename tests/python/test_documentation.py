@@ -184,8 +184,11 @@ def expect_npm_knows(words: list[str]) -> None:
     match words:
         case ["run", script, *_]:
             assert script in package["scripts"], f"npm has no script {script}"
-        case ["test", *_]:
-            assert "test" in package["scripts"]
+        case ["test", *checks]:
+            script = (ROOT / "scripts" / "test.mjs").read_text("utf-8")
+            names = re.findall(r"name: '([^']+)'", script)
+            for word in checks[1:]:
+                assert any(word in name for name in names), f"no check has {word} in its name"
         case ["install", *names]:
             assert set(names) <= {package["name"], *package["peerDependencies"]}
         case _:
@@ -197,6 +200,15 @@ def expect_script_knows(words: list[str]) -> None:
     for option in words[1:]:
         if option.startswith("--"):
             assert re.search(rf"\b{option[2:]}: \{{ type:", source), f"{words[0]} has no {option}"
+
+
+def expect_vitest_runs(words: list[str]) -> None:
+    match words:
+        case ["vitest", "run", "--project", project, file, *_]:
+            assert file.startswith(f"tests/{project}/")
+            assert (ROOT / file).is_file()
+        case _:
+            pytest.fail(f"npx {' '.join(words)} is not known here")
 
 
 @of("sh")
@@ -212,6 +224,11 @@ def test_commands_are_there(block: Block) -> None:
                 expect_npm_knows(words)
             case "node":
                 expect_script_knows(words)
+            case "npx":
+                expect_vitest_runs(words)
+            case "python":
+                assert words[:2] == ["-m", "pytest"]
+                assert all((ROOT / file).is_file() for file in words[2:])
             case other:
                 pytest.fail(f"{other} is not known here")
 
