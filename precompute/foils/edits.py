@@ -82,7 +82,7 @@ class Texels:
         return replace(self, bumps=bumps)
 
     def with_grating(self, **channels: Array) -> Texels:
-        """With other channels: ``doubled``, cos 2θ + i sin 2θ, ``frequency`` (1/µm), ``strength``."""
+        """With another ``doubled`` (cos 2θ + i sin 2θ), ``frequency`` (1/µm) or ``strength``."""
         grating = self.grating.copy()
         for name, values in channels.items():
             match name:
