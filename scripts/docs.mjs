@@ -12,7 +12,7 @@ await main(async () => {
     installedFile('typedoc/bin/typedoc'),
   ])
   await runQuietly('Documenting precompute', join(root, venvProgram('pdoc')), [
-    ...['--docformat', 'google', '--math', '--no-show-source'],
+    ...['--docformat', 'google', '--no-show-source'],
     ...['--output-directory', 'docs/api/precompute'],
     'precompute',
     // What the command line is and the report's drawings are no interface.

@@ -38,9 +38,14 @@ export function withoutUnit(project: ProjectReflection): string[] {
 
 export function entriesOf(project: ProjectReflection): Entry[] {
   const { Module } = ReflectionKind
-  return (project.children ?? [])
-    .flatMap((child) => (child.kind === Module ? (child.children ?? []) : [child]))
-    .flatMap((exported) => entriesOfDeclaration(exported, ''))
+  return (project.children ?? []).flatMap((child) =>
+    child.kind === Module
+      ? [
+          { name: child.name, type: undefined, text: textOf(child) },
+          ...(child.children ?? []).flatMap((exported) => entriesOfDeclaration(exported, '')),
+        ]
+      : entriesOfDeclaration(child, ''),
+  )
 }
 
 function entriesOfDeclaration(declaration: DeclarationReflection, owner: string): Entry[] {
