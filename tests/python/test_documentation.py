@@ -246,6 +246,12 @@ def test_commands_run(block: Block, folder: Path) -> None:
         run(words)
 
 
+@pytest.mark.parametrize("block", [b for b in BLOCKS if "file" in b.settings], ids=str)
+def test_files_are_read_by_a_command(block: Block) -> None:
+    commands = [b.code for b in BLOCKS if b.page == block.page and b.rule == "run"]
+    assert any(block.settings["file"] in code for code in commands)
+
+
 def draw_leaf(file: Path) -> None:
     """A light disc on black."""
     picture = Image.new("L", (64, 64))
