@@ -82,7 +82,11 @@ class Texels:
         return replace(self, bumps=bumps)
 
     def with_grating(self, **channels: Array) -> Texels:
-        """With another ``doubled`` (cos 2θ + i sin 2θ), ``frequency`` (1/µm) or ``strength``."""
+        """With other numbers in some of the channels.
+
+        Args:
+            channels: ``doubled``, cos 2θ + i sin 2θ; ``frequency``, 1/µm; ``strength``, a share.
+        """
         grating = self.grating.copy()
         for name, values in channels.items():
             match name:
