@@ -13,8 +13,8 @@ export default defineConfig({
         test: {
           name: 'docs',
           include: ['tests/docs/**/*.test.ts'],
-          // TypeScript reads three's declarations.
-          testTimeout: 60_000,
+          // TypeScript reads three's declarations; Chromium shows every page's programs one after the other.
+          testTimeout: 300_000,
           hookTimeout: 120_000,
         },
       },
