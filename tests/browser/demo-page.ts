@@ -1,0 +1,92 @@
+import type { Browser, BrowserContextOptions, Page } from 'playwright-core'
+import { afterAll, afterEach, beforeAll } from 'vitest'
+import { launchBrowser, serveDemo } from '../../scripts/browser.mjs'
+import { pixelsOf, type Pixels } from './screenshot'
+
+/** For the slowest object on a machine that does other things too, ms. */
+export const SETTLED_MS = 120_000
+
+export interface OpenedPage {
+  page: Page
+  /** What the page wrote as errors and warnings so far. */
+  complaints: string[]
+  /** Addresses that it asked for on other hosts. */
+  elsewhere: string[]
+}
+
+export interface OpenOptions extends BrowserContextOptions {
+  /** The view of the page, CSS pixels. */
+  width?: number
+  height?: number
+  /** Whether the page may keep itself for times without a network: all its files are fetched then. */
+  isKept?: boolean
+  /** Called before the page is opened. */
+  prepare?: (page: Page) => Promise<unknown>
+}
+
+/** Serves the built demo page to the tests of a file. */
+export function demoPages(): {
+  open: (query?: string, options?: OpenOptions) => Promise<OpenedPage>
+} {
+  let server: Awaited<ReturnType<typeof serveDemo>>
+  let browser: Browser
+  const opened: Page[] = []
+
+  beforeAll(async () => {
+    server = await serveDemo()
+    browser = await launchBrowser({ backend: 'llvmpipe' })
+  })
+  afterEach(async () => {
+    for (const page of opened.splice(0)) await page.context().close()
+  })
+  afterAll(async () => {
+    await browser.close()
+    await server.close()
+  })
+
+  const open = async (query = '', options: OpenOptions = {}): Promise<OpenedPage> => {
+    const { width = 480, height = 400, isKept = false, prepare, ...others } = options
+    const context = await browser.newContext({
+      viewport: { width, height },
+      reducedMotion: 'reduce',
+      ...others,
+    })
+    const page = await context.newPage()
+    opened.push(page)
+    page.setDefaultTimeout(SETTLED_MS)
+    const complaints: string[] = []
+    const elsewhere: string[] = []
+    page.on('console', (message) => {
+      if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
+    })
+    page.on('pageerror', (error) => complaints.push(String(error)))
+    page.on('request', (request) => {
+      const url = request.url()
+      if (!/^(data|blob):/.test(url) && !url.startsWith(server.url)) elsewhere.push(url)
+    })
+    if (!isKept)
+      await page.addInitScript(() => Reflect.deleteProperty(Navigator.prototype, 'serviceWorker'))
+    await prepare?.(page)
+    await page.goto(server.url + query)
+    return { page, complaints, elsewhere }
+  }
+  return { open }
+}
+
+/** Waits until nothing is being loaded and the picture is finished. */
+export async function settle(page: Page): Promise<void> {
+  await page.waitForSelector('#controls label', { state: 'attached' })
+  await page.waitForSelector('#loading', { state: 'hidden' })
+  await page.waitForSelector('#view[data-state=settled]')
+}
+
+/** The finished picture. */
+export async function picture(page: Page): Promise<Pixels> {
+  await settle(page)
+  return pixelsOf(page, await page.locator('#view').screenshot())
+}
+
+/** Waits until a change has reached the picture. */
+export async function stirred(page: Page): Promise<void> {
+  await page.waitForSelector('#view:not([data-state=settled])')
+}
