@@ -25,7 +25,11 @@ export function numberSetting(
 ): Setting {
   return {
     name,
-    read: () => get()?.toString(),
+    read: () => {
+      const value = get()
+      // Angles were turned from radians into degrees: their last digits are nobody's choice.
+      return value === undefined ? undefined : String(Number(value.toPrecision(9)))
+    },
     write: (text) => {
       const value = Number(text)
       if (text.trim() === '' || !(value >= min && value <= max))

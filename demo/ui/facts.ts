@@ -14,6 +14,7 @@ export function showFacts(demo: Demo): void {
       'p',
       '',
       make('b', '', METHODS[material.method]),
+      ' ',
       make('span', '', [errorText(demo, material), timeText(time)].filter(Boolean).join(' · ')),
     )
   })

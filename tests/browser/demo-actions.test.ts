@@ -17,7 +17,7 @@ describe('comparing', () => {
   it('shows both methods, which agree, and says how each is off and how they differ', async () => {
     const { page, complaints } = await open('?scene=disc&environment=none', SMALL)
     const before = await picture(page)
-    expect(await page.locator('#facts').innerText()).toMatch(/^Closed form\s*report: up to .* ms$/)
+    expect(await page.locator('#facts').innerText()).toMatch(/^Closed form report: up to .*\sms$/)
     await page.getByRole('button', { name: 'Compare' }).click()
     await stirred(page)
     const both = await picture(page)

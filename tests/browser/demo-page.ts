@@ -82,8 +82,23 @@ export async function settle(page: Page): Promise<void> {
 
 /** The finished picture. */
 export async function picture(page: Page): Promise<Pixels> {
+  return pixelsOf(page, await screenshotOf(page))
+}
+
+/**
+ * The finished picture with the buttons before it, as a PNG file: without the frame of what has the focus, and without
+ * the facts, whose times differ from run to run.
+ */
+export async function screenshotOf(page: Page): Promise<Buffer> {
   await settle(page)
-  return pixelsOf(page, await page.locator('#view').screenshot())
+  const facts = page.locator('#facts')
+  await facts.evaluate((element: HTMLElement) => {
+    element.hidden = true
+    ;(document.activeElement as HTMLElement | null)?.blur()
+  })
+  const png = await page.locator('#view').screenshot()
+  await facts.evaluate((element: HTMLElement) => (element.hidden = false))
+  return png
 }
 
 /** Waits until a change has reached the picture. */
