@@ -1,6 +1,8 @@
 import { Demo } from './demo'
 import { isEnvironmentName } from './light/environments'
+import { Inspector } from './inspector/inspector'
 import { isSubjectName, SUBJECTS } from './subjects'
+import { Dock } from './tools/dock'
 import { byId } from './ui/elements'
 import { Explanation } from './ui/explanation'
 import { Panel } from './ui/panel'
@@ -75,6 +77,10 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     get: () => demo.subjectName,
     set: (name) => void demo.showSubject(name),
   })
+  const dock = new Dock((error) => {
+    demo.banner.show(error)
+  })
+  dock.add(new Inspector(demo))
   demo.onChanged = () => {
     panel.refresh()
     tabs.refresh()

@@ -1,0 +1,152 @@
+import type { Browser, Page } from 'playwright-core'
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest'
+import { launchBrowser, serve } from '../../scripts/browser.mjs'
+import { dockLayout, openPage, settle, type OpenedPage } from './demo-page'
+
+let server: Awaited<ReturnType<typeof serve>>
+let browser: Browser
+const pages: Page[] = []
+
+beforeAll(async () => {
+  server = await serve('demo')
+  browser = await launchBrowser({ backend: 'llvmpipe' })
+})
+
+afterEach(async () => {
+  for (const page of pages.splice(0)) await page.close()
+})
+
+afterAll(async () => {
+  await browser.close()
+  await server.close()
+})
+
+/** Opens the page and its inspector, by the keyboard. */
+async function inspect(query: string, width: number, height: number): Promise<OpenedPage> {
+  const opened = await openPage(browser, server.url + query, width, height)
+  pages.push(opened.page)
+  await settle(opened.page)
+  await opened.page.getByRole('button', { name: 'Inspect', exact: true }).press('Enter')
+  await opened.page.waitForSelector('.inspector .facts dd')
+  return opened
+}
+
+/** What the facts say of a term. */
+function fact(page: Page, term: string): Promise<string> {
+  return page
+    .locator('.facts div')
+    .filter({ has: page.locator('dt', { hasText: term }) })
+    .locator('dd')
+    .innerText()
+}
+
+/** Linear sRGB of a swatch, once it is there. */
+async function swatch(page: Page, label: string): Promise<number[]> {
+  const found = page.locator('.swatch[data-rgb]').filter({ hasText: label })
+  await found.waitFor()
+  const text = await found.getAttribute('data-rgb')
+  return text!.split(' ').map(Number)
+}
+
+/** A picture's text alternative. */
+function alternative(page: Page, title: string): Promise<string> {
+  return page
+    .locator('.block')
+    .filter({ has: page.locator('summary', { hasText: title }) })
+    .locator('figcaption')
+    .innerText()
+}
+
+describe('the inspector', () => {
+  it('is not loaded before it is opened', async () => {
+    const { page } = await openPage(browser, server.url, 480, 400)
+    pages.push(page)
+    await settle(page)
+    const loaded = (): Promise<string[]> =>
+      page.evaluate(() =>
+        performance
+          .getEntriesByType('resource')
+          .map(({ name }) => name)
+          .filter((name) => /\/inspector\/(contents|pictures|optics)/.test(name)),
+      )
+    expect(await loaded()).toEqual([])
+    await page.getByRole('button', { name: 'Inspect', exact: true }).click()
+    await page.waitForSelector('.inspector .facts dd')
+    expect(await loaded()).not.toEqual([])
+  })
+
+  it('computes from the spectrum the colour that the shader gives the flash', async () => {
+    const { page, complaints } = await inspect('?scene=sample&environment=studio', 820, 420)
+    await page.getByLabel('Inspected point', { exact: false }).focus()
+    // Across the sample to places that the flash lights.
+    const lit: [number[], number[]][] = []
+    for (let step = 0; step < 10 && lit.length < 2; step++) {
+      await page.keyboard.press(step % 2 === 0 ? 'Shift+ArrowRight' : 'Shift+ArrowDown')
+      await settle(page)
+      await page.waitForTimeout(400)
+      const rendered = await swatch(page, 'Flash, as rendered')
+      if (Math.max(...rendered) < 1e-3) continue
+      lit.push([rendered, await swatch(page, 'Flash, by its spectrum')])
+    }
+    expect(lit.length).toBeGreaterThan(0)
+    for (const [rendered, computed] of lit) {
+      const most = Math.max(...rendered)
+      // Gamut mapping takes the sum with the environment as it is, not the flash alone.
+      for (const [c, value] of rendered.entries())
+        expect(Math.abs(value - computed[c]!)).toBeLessThan(0.1 * most)
+    }
+    expect(complaints).toEqual([])
+  })
+
+  it('follows the crosshair, the map and the flash', async () => {
+    const { page, complaints } = await inspect('', 1280, 600)
+    const texel = await fact(page, 'Texel')
+    await page.getByLabel('Inspected point', { exact: false }).press('Shift+ArrowRight')
+    await expect.poll(() => fact(page, 'Texel')).not.toBe(texel)
+    const [column, row] = (await fact(page, 'Texel')).match(/\d+/g)!.map(Number)
+    await page.locator('.orientation').press('ArrowDown')
+    await expect.poll(() => fact(page, 'Texel')).toBe(`column ${column}, row ${(row! + 1) % 256}`)
+    expect(await alternative(page, 'Orientation')).toContain(`column ${column}`)
+    const lobes = await alternative(page, 'Lobes')
+    await page.getByLabel('Azimuth', { exact: true }).press('Home')
+    await expect.poll(() => alternative(page, 'Lobes')).not.toBe(lobes)
+    // A tap on the view picks, a drag does not.
+    const before = await fact(page, 'Texel')
+    const view = (await page.locator('#view').boundingBox())!
+    await page.mouse.click(view.x + 0.4 * view.width, view.y + 0.45 * view.height)
+    await expect.poll(() => fact(page, 'Texel')).not.toBe(before)
+    expect(complaints).toEqual([])
+  })
+
+  it('shows each kind of surface what it is made of', async () => {
+    const { page, complaints } = await inspect('?scene=sample', 820, 420)
+    expect(await alternative(page, 'Spectrum of the relief')).toMatch(/Strongest.*%/)
+    expect(await page.locator('.block', { hasText: 'Lobes' }).isVisible()).toBe(false)
+    for (const table of ['series', 'colours', 'metals']) {
+      await page.locator('summary', { hasText: table }).press('Enter')
+      await expect.poll(() => alternative(page, table)).toMatch(/\d/)
+    }
+    await page.getByText('Vase', { exact: true }).click()
+    await settle(page)
+    await expect.poll(() => fact(page, 'Period')).toContain('1.20')
+    expect(await alternative(page, 'Arcs in the environment')).toMatch(/\+1 from/)
+    expect(await alternative(page, 'Lobes')).toMatch(/0: \d+\.\d/)
+    expect(complaints).toEqual([])
+  })
+
+  it('fits a phone, and leaves by Escape', async () => {
+    const { page } = await inspect('?scene=disc', 360, 740)
+    await page.evaluate(() => {
+      for (const block of document.querySelectorAll<HTMLDetailsElement>('.block')) block.open = true
+    })
+    await page.waitForTimeout(1000)
+    const { over, small } = await dockLayout(page)
+    expect(over).toBeLessThanOrEqual(0)
+    expect(small).toEqual([])
+    await page.locator('.dock summary').first().focus()
+    await page.keyboard.press('Escape')
+    expect(await page.locator('#dock').isVisible()).toBe(false)
+    expect(await page.evaluate(() => document.activeElement?.id)).toBe('inspect')
+    expect(await page.locator('.crosshair').count()).toBe(0)
+  })
+})
