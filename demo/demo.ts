@@ -1,4 +1,4 @@
-import type { Feature } from '../web'
+import type { Feature, Foil } from '../web'
 import { DiffractionError, HeightField } from '../web'
 import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
 import { Flash } from './light/flash'
@@ -97,6 +97,14 @@ export class Demo {
       await this.#cover(await loadSubject('foil'), foil)
       this.#foilUrl = url
     })
+    this.onChanged()
+  }
+
+  /** Covers the object on show with a foil that was made in the page; rejects where it cannot be drawn. */
+  async showMadeFoil(foil: Foil): Promise<void> {
+    await this.#cover(this.subject, foil)
+    this.#foilUrl = ''
+    this.viewer.invalidate()
     this.onChanged()
   }
 

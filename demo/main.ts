@@ -1,4 +1,5 @@
 import { Demo } from './demo'
+import { DesignPanel } from './design/design-panel'
 import { isEnvironmentName } from './light/environments'
 import { Inspector } from './inspector/inspector'
 import { isSubjectName, SUBJECTS } from './subjects'
@@ -81,6 +82,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     demo.banner.show(error)
   })
   dock.add(new Inspector(demo))
+  dock.add(new DesignPanel(demo))
   demo.onChanged = () => {
     panel.refresh()
     tabs.refresh()

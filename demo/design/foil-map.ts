@@ -188,6 +188,8 @@ async function sha256(bytes: BufferSource): Promise<string> {
 /** What an edit keeps of a map: all but its texels and recipe. */
 export function factsOf(map: LoadedMap): Omit<FoilFacts, 'recipe'> {
   const [width, height] = constantOf(map, 'tile_mm') as [number, number]
-  const { grating: _, ...others } = map.arrays
+  const others = Object.fromEntries(
+    Object.entries(map.arrays).filter(([name]) => name !== 'grating'),
+  )
   return { height: constantOf(map, 'height_um')[0]!, tile: [width, height], others }
 }

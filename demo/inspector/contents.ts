@@ -3,6 +3,7 @@ import { Foil, Grating, HeightField } from '../../web'
 import type { Demo } from '../demo'
 import type { ToolContents } from '../tools/dock'
 import { byId, make } from '../ui/elements'
+import '../style/plots.css'
 import '../style/inspector.css'
 import { Crosshair } from './crosshair'
 import { EnvironmentLight } from './optics/environment-light'
@@ -131,8 +132,20 @@ export class InspectorContents implements ToolContents {
 
   async #compare(point: PickedPoint, tables: SpectralTables, state: string): Promise<void> {
     if (!this.#spectra.block.isOpen) return
-    const optics = this.#optics(point, tables)
-    const rendered = await this.#pixel.read(this.#project(optics.frame.position))
+    const { camera, renderer } = this.demo.viewer
+    const { subject } = this.demo
+    const { position } = frameOf(point, camera.position)
+    const { x, y } = this.#project(position)
+    // A lobe may end within a pixel: what is compared is the middle of the one that the point lies in.
+    const { width, height } = renderer.domElement
+    const pixel = { column: Math.floor(x * width), row: Math.floor(y * height) }
+    const middle = new Vector2(
+      (2 * (pixel.column + 0.5)) / width - 1,
+      1 - (2 * (pixel.row + 0.5)) / height,
+    )
+    const at = pickAt(middle, camera, subject.object, subject.material) ?? point
+    const optics = this.#optics(at, tables)
+    const rendered = await this.#pixel.read(pixel)
     if (this.#rendered !== state) return
     const exposure = this.demo.viewer.renderer.toneMappingExposure
     this.#spectra.compare(...radiances(optics, this.#environmentLight()), rendered, exposure)

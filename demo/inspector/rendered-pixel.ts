@@ -3,6 +3,11 @@ import type { Demo } from '../demo'
 import type { Colour } from './optics/light-spectrum'
 import type { RenderedColour } from './pictures/spectra'
 
+export interface Pixel {
+  column: number
+  row: number
+}
+
 /** Renders single pixels of the view as the page does, before tone mapping. */
 export class RenderedPixel {
   readonly #target: WebGLRenderTarget
@@ -13,25 +18,25 @@ export class RenderedPixel {
     this.#target = new WebGLRenderTarget(1, 1, { type: this.#isFloat ? FloatType : HalfFloatType })
   }
 
-  /** @param place - from the view's left and top, 0 to 1 */
-  async read(place: { x: number; y: number }): Promise<RenderedColour> {
+  /** @param pixel - of the canvas, from its left and top */
+  async read(pixel: Pixel): Promise<RenderedColour> {
     const light = this.demo.flash.object.getObjectByName('flash')
     if (!(light instanceof PointLight)) throw new Error('The flash has no light')
-    const all = this.#render(place)
+    const all = this.#render(pixel)
     // Not hidden: a scene with another number of lights is another program.
     const { intensity } = light
     light.intensity = 0
-    const without = this.#render(place)
+    const without = this.#render(pixel)
     light.intensity = intensity
     const [lit, unlit] = await Promise.all([all, without])
     return { all: lit, flash: lit.map((value, c) => value - unlit[c]!) as Colour }
   }
 
-  #render({ x, y }: { x: number; y: number }): Promise<Colour> {
+  #render({ column, row }: Pixel): Promise<Colour> {
     const { renderer, scene, camera } = this.demo.viewer
     const { width, height } = renderer.domElement
     const before = renderer.getRenderTarget()
-    camera.setViewOffset(width, height, Math.floor(x * width), Math.floor(y * height), 1, 1)
+    camera.setViewOffset(width, height, column, row, 1, 1)
     renderer.setRenderTarget(this.#target)
     renderer.clear()
     renderer.render(scene, camera)
