@@ -10,7 +10,7 @@ import { byId, make } from '../ui/elements'
 import { segments } from '../ui/segments'
 import '../style/plots.css'
 import '../style/design.css'
-import { readForm, showRefusal, TextField } from './fields'
+import { readForm, showRefusal, TextField, type AnyField } from './fields'
 import { madeFoil, stored, type FoilFacts, type FoilTexels, type StoredFoil } from './foil-map'
 import { editedFacts, withPeriods } from './period-edit'
 import { PeriodForm } from './period-form'
@@ -155,13 +155,19 @@ export class DesignContents implements ToolContents {
     } catch (error) {
       if (asked !== this.#asked) return
       this.#status.textContent = 'The foil could not be made: the last one stays.'
-      try {
-        showRefusal(fields, error)
-      } catch {
-        this.demo.banner.show(error)
-      }
+      this.#refuse(fields, error)
     }
     this.#refresh()
+  }
+
+  /** Beside its field where it is one's: that is enough of it. */
+  #refuse(fields: readonly AnyField[], error: unknown): void {
+    try {
+      showRefusal(fields, error)
+      this.demo.banner.hide()
+    } catch {
+      this.demo.banner.show(error)
+    }
   }
 
   async #begin(

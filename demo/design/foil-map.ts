@@ -38,18 +38,25 @@ export interface MadeFoil {
 
 const CHANNELS = ['cos 2theta', 'sin 2theta', 'spatial frequency', 'strength']
 
-/** The texels of a foil's map in double precision, as `precompute.maps` decodes them. */
-export function texelsOf(map: LoadedMap): FoilTexels {
+/** The texels of a foil's map in double precision, as `precompute.maps` decodes them, row by row. */
+export function* texelsOf(map: LoadedMap): Steps<FoilTexels> {
   const array = arrayOf(map, 'grating')
   const { spec, data } = array
   const [rows, columns] = spec.shape as [number, number]
-  const { decode } = spec
-  if (!(data instanceof Uint8Array) || decode === null)
-    return { rows, columns, values: Float64Array.from(valuesOf(array)) }
-  const values = Float64Array.from(data, (texel, i) => {
-    const [offset, scale] = decode[i % 4]!
-    return offset + (scale * texel) / 255
-  })
+  const values = new Float64Array(data.length)
+  const stride = 4 * columns
+  for (let at = 0; at < data.length; at += stride) {
+    yield
+    const row = data.subarray(at, at + stride)
+    if (spec.decode === null) {
+      values.set(valuesOf({ spec, data: row }), at)
+      continue
+    }
+    for (let i = 0; i < stride; i++) {
+      const [offset, scale] = spec.decode[i % 4]!
+      values[at + i] = offset + (scale * row[i]!) / 255
+    }
+  }
   return { rows, columns, values }
 }
 

@@ -37,8 +37,7 @@ export function periodAt(
 
 /** A foil with other periods, row by row; what the sidecar tells of it comes from `editedFacts`. */
 export function* withPeriods(map: LoadedMap, edit: PeriodEdit): Steps<FoilTexels> {
-  const texels = texelsOf(map)
-  yield
+  const texels = yield* texelsOf(map)
   const { values, columns } = texels
   for (let i = 0; i < values.length; i += 4) {
     values[i + 2] = 1 / periodAt(edit, Math.atan2(values[i + 1]!, values[i]!) / 2)

@@ -29,8 +29,8 @@ export class Dock {
     Object.assign(close, { type: 'button', ariaLabel: 'Close' })
     close.addEventListener('click', () => void this.show(null))
     this.#element.append(make('header', 'dock-head', this.#title, close), this.#body)
-    this.#element.addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') void this.show(null)
+    document.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape' && !event.defaultPrevented) void this.show(null)
     })
     // On a phone there is room for one of the two.
     const sheet = byId('sheet', HTMLDetailsElement)

@@ -41,6 +41,11 @@ function fact(page: Page, term: string): Promise<string> {
     .innerText()
 }
 
+/** As soon as the page has followed. */
+function soon<T>(read: () => Promise<T>): ReturnType<typeof expect.poll<T>> {
+  return expect.poll(read, { timeout: 60_000 })
+}
+
 /** Linear sRGB of a swatch, once it is there. */
 async function swatch(page: Page, label: string): Promise<number[]> {
   const found = page.locator('.swatch[data-rgb]').filter({ hasText: label })
@@ -80,7 +85,7 @@ describe('the inspector', () => {
     const { page, complaints } = await inspect('?scene=vase', 820, 420)
     // Alone: colours are moved into the display's gamut as they add up.
     await page.keyboard.press('Escape')
-    await page.getByLabel('Environment').selectOption('none')
+    await page.getByLabel('Environment', { exact: true }).selectOption('none')
     await page.getByLabel('Angular radius (σ)', { exact: true }).press('End')
     await settle(page)
     await page.getByRole('button', { name: 'Inspect', exact: true }).click()
@@ -106,19 +111,19 @@ describe('the inspector', () => {
     const { page, complaints } = await inspect('', 1280, 600)
     const texel = await fact(page, 'Texel')
     await page.getByLabel('Inspected point', { exact: false }).press('Shift+ArrowRight')
-    await expect.poll(() => fact(page, 'Texel')).not.toBe(texel)
+    await soon(() => fact(page, 'Texel')).not.toBe(texel)
     const [column, row] = (await fact(page, 'Texel')).match(/\d+/g)!.map(Number)
     await page.locator('.orientation').press('ArrowDown')
-    await expect.poll(() => fact(page, 'Texel')).toBe(`column ${column}, row ${(row! + 1) % 256}`)
+    await soon(() => fact(page, 'Texel')).toBe(`column ${column}, row ${(row! + 1) % 256}`)
     expect(await alternative(page, 'Orientation')).toContain(`column ${column}`)
     const lobes = await alternative(page, '^Lobes')
     await page.getByLabel('Azimuth', { exact: true }).press('Home')
-    await expect.poll(() => alternative(page, '^Lobes')).not.toBe(lobes)
+    await soon(() => alternative(page, '^Lobes')).not.toBe(lobes)
     // A tap on the view picks, a drag does not.
     const before = await fact(page, 'Texel')
     const view = (await page.locator('#view').boundingBox())!
     await page.mouse.click(view.x + 0.4 * view.width, view.y + 0.45 * view.height)
-    await expect.poll(() => fact(page, 'Texel')).not.toBe(before)
+    await soon(() => fact(page, 'Texel')).not.toBe(before)
     expect(complaints).toEqual([])
   })
 
@@ -128,11 +133,11 @@ describe('the inspector', () => {
     expect(await page.locator('.block', { hasText: /^Lobes/ }).isVisible()).toBe(false)
     for (const table of ['series', 'colours', 'metals']) {
       await page.locator('summary', { hasText: table }).press('Enter')
-      await expect.poll(() => alternative(page, table)).toMatch(/\d/)
+      await soon(() => alternative(page, table)).toMatch(/\d/)
     }
-    await page.getByText('Vase', { exact: true }).click()
+    await page.getByLabel('Vase', { exact: true }).check()
     await settle(page)
-    await expect.poll(() => fact(page, 'Period')).toContain('1.20')
+    await soon(() => fact(page, 'Period')).toContain('1.20')
     expect(await alternative(page, 'Arcs in the environment')).toMatch(/\+1 from/)
     expect(await alternative(page, '^Lobes')).toMatch(/0: \d+\.\d/)
     expect(complaints).toEqual([])

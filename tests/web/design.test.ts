@@ -17,6 +17,9 @@ import { serveFiles } from './fake-maps'
 import { python } from './python'
 
 const root = fileURLToPath(new URL('../../', import.meta.url))
+// Python starts for each.
+vi.setConfig({ testTimeout: 60_000 })
+
 let folder: string
 
 beforeAll(async () => {

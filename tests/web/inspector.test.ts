@@ -33,6 +33,9 @@ import type { Energy } from '../../web'
 import { serveBakedMaps } from './baked-maps'
 import { python } from './python'
 
+// Python starts for each.
+vi.setConfig({ testTimeout: 60_000 })
+
 let profile: LoadedMap
 let metals: LoadedMap
 let d65: LoadedMap

@@ -11,7 +11,7 @@ export interface ChartAxis {
   write: (value: number) => string
 }
 
-const MARGIN = { left: 46, right: 8, top: 8, bottom: 36 }
+const MARGIN = { left: 46, right: 14, top: 8, bottom: 36 }
 const WIDTH = 360
 
 /** Axes with ticks and labels, and a place within them for curves. */
