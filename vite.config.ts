@@ -1,5 +1,7 @@
 import { fileURLToPath } from 'node:url'
 import { defineConfig, normalizePath, type Plugin } from 'vite'
+import { completePage, demoPage } from './scripts/demo-page.mjs'
+import { minifiedGlsl } from './scripts/minified-glsl.mjs'
 
 const repository = normalizePath(fileURLToPath(new URL('.', import.meta.url)))
 
@@ -34,5 +36,25 @@ export default defineConfig({
       ),
     },
   },
-  plugins: [bakedMaps()],
+  preview: { host: '127.0.0.1' },
+  plugins: [bakedMaps(), minifiedGlsl(), completePage()],
+  build: {
+    outDir: repository + demoPage,
+    emptyOutDir: true,
+    target: 'es2022',
+    // The policy of the built page lets no script or style stand in it, nor be fetched from `data:`.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    rolldownOptions: {
+      input: [
+        fileURLToPath(new URL('demo/index.html', import.meta.url)),
+        fileURLToPath(new URL('demo/offline/service-worker.ts', import.meta.url)),
+      ],
+      output: {
+        // A worker rules over what lies beside and below it, and is looked for by its name.
+        entryFileNames: ({ name }) =>
+          name === 'service-worker' ? '[name].js' : 'assets/[name]-[hash].js',
+      },
+    },
+  },
 })

@@ -1,12 +1,12 @@
-import type { Feature, Foil } from '../web'
-import { DiffractionError, HeightField } from '../web'
+import type { Feature } from '../web'
+import { DiffractionError, Foil, HeightField } from '../web'
+import { Comparison } from './compare/comparison'
 import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
 import { Flash } from './light/flash'
 import { Surroundings } from './light/surroundings'
 import { loadSubject, SUBJECTS, type SubjectName } from './subjects'
-import { adjust } from './subjects/adjust'
 import { bakedMethods, FIELDS, type FieldName } from './subjects/fields'
-import { FOIL_MAP, loadFoil } from './subjects/foil-card'
+import { loadFoil } from './subjects/foils'
 import type { Subject } from './subjects/subject'
 import { Banner } from './ui/banner'
 import { Loading } from './ui/loading'
@@ -18,17 +18,20 @@ export class Demo {
   readonly flash = new Flash()
   readonly tilt = new Tilt()
   readonly surroundings: Surroundings
+  readonly comparison: Comparison
   readonly banner = new Banner()
   readonly loading = new Loading()
   /** Called when values have changed by other ways than their controls. */
   onChanged: () => void = () => undefined
 
   #subject: Subject | null = null
-  #subjectName: SubjectName = 'foil'
-  #foilUrl = FOIL_MAP
+  #subjectName: SubjectName = 'card'
 
   constructor(readonly viewer: Viewer) {
     this.surroundings = new Surroundings(viewer.scene)
+    this.comparison = new Comparison(viewer, (error) => {
+      this.#refuse(error)
+    })
     this.flash.intensity = 2
     viewer.scene.add(this.flash.object)
     viewer.animate = (seconds) => this.tilt.advance(seconds)
@@ -42,9 +45,10 @@ export class Demo {
     return this.#subject !== null
   }
 
-  /** Address of the foil's map. */
+  /** Address of the map of the foil on show; empty where there is none. */
   get foilUrl(): string {
-    return this.#foilUrl
+    const { surface } = this.subject
+    return surface instanceof Foil ? surface.map.url : ''
   }
 
   /** The object on show. */
@@ -75,6 +79,21 @@ export class Demo {
     this.viewer.invalidate()
   }
 
+  /**
+   * Says how a task went: if it fails, why; if not, what is given. Returns what it results in, undefined where it
+   * failed.
+   */
+  async tell<T>(task: Promise<T>, done = ''): Promise<T | undefined> {
+    try {
+      const result = await task
+      if (done !== '') this.banner.note(done)
+      return result
+    } catch (error) {
+      this.#refuse(error)
+      return undefined
+    }
+  }
+
   async showSubject(name: SubjectName): Promise<void> {
     this.#subjectName = name
     await this.#load(`the ${SUBJECTS[name].toLowerCase()} and its tables`, async () => {
@@ -90,12 +109,13 @@ export class Demo {
     this.onChanged()
   }
 
-  /** Covers the card with another foil, unless its map is broken. */
+  /** Covers the object on show with another foil, unless its map is broken. */
   async showFoil(url: string): Promise<void> {
+    const { subject } = this
+    const { repeat } = subject
+    if (repeat === undefined) return
     await this.#load('the foil', async () => {
-      const foil = await loadFoil(url)
-      await this.#cover(await loadSubject('foil'), foil)
-      this.#foilUrl = url
+      await this.#cover(subject, await loadFoil(url, repeat))
     })
     this.onChanged()
   }
@@ -103,7 +123,6 @@ export class Demo {
   /** Covers the object on show with a foil that was made in the page; rejects where it cannot be drawn. */
   async showMadeFoil(foil: Foil): Promise<void> {
     await this.#cover(this.subject, foil)
-    this.#foilUrl = ''
     this.viewer.invalidate()
     this.onChanged()
   }
@@ -145,21 +164,13 @@ export class Demo {
 
   #take(subject: Subject): void {
     const before = this.#subject
-    if (before !== null) {
-      this.viewer.scene.remove(before.object)
-      const { metal, illuminant, method, coherence } = before.material
-      const isDielectric = subject.surface instanceof HeightField && subject.surface.ior !== null
-      adjust(subject.material, { illuminant, coherence, ...(!isDielectric && { metal }) })
-      // Each surface has methods of its own, and a baked pattern goes with settings of its own.
-      const isOffered = bakedMethods(subject.surface).includes(method)
-      if (isOffered && method !== 'baked' && subject.material.method !== 'baked')
-        subject.material.method = method
-    }
+    if (before !== null) this.viewer.scene.remove(before.object)
     this.#subject = subject
     subject.material.onError = (error) => {
       this.#refuse(error)
     }
     this.viewer.scene.add(subject.object)
+    if (this.comparison.isOn) this.comparison.compare(subject)
     this.tilt.hold(subject.object, subject.tilt)
     this.flash.azimuth = subject.flash.azimuth
     this.flash.height = subject.flash.height

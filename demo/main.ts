@@ -2,10 +2,16 @@ import { Demo } from './demo'
 import { DesignPanel } from './design/design-panel'
 import { isEnvironmentName } from './light/environments'
 import { Inspector } from './inspector/inspector'
-import { isSubjectName, SUBJECTS } from './subjects'
 import { Dock } from './tools/dock'
+import { keepOffline } from './offline/keep-offline'
+import { follow } from './link/link'
+import { cameraSetting, tiltSetting } from './link/poses'
+import { isSubjectName, SUBJECTS } from './subjects'
+import { Actions } from './ui/actions'
+import { divider } from './ui/divider'
 import { byId } from './ui/elements'
 import { Explanation } from './ui/explanation'
+import { showFacts } from './ui/facts'
 import { Panel } from './ui/panel'
 import { segments } from './ui/segments'
 import { showStatus } from './ui/status'
@@ -17,7 +23,7 @@ import { Viewer } from './view/viewer'
 
 const canvas = byId('view', HTMLCanvasElement)
 
-/** `?scene=disc&environment=night&foil=ADDRESS` opens the page on something else. */
+/** `?scene=disc&environment=night&foil=ADDRESS` and more: what "Share" writes. */
 const parameters = new URLSearchParams(location.search)
 
 try {
@@ -53,18 +59,12 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     get: () => dragMode,
     set: (mode) => (dragMode = mode),
   })
-  const sway = byId('sway', HTMLButtonElement)
-  sway.addEventListener('click', () => {
-    demo.tilt.isSwaying = !demo.tilt.isSwaying
-    sway.setAttribute('aria-pressed', String(demo.tilt.isSwaying))
-    viewer.invalidate()
-  })
 
   const scene = parameters.get('scene')
   const environment = parameters.get('environment')
-  const foil = parameters.get('foil')
   await Promise.all([
-    demo.showSubject(isSubjectName(scene) ? scene : 'foil'),
+    demo.showSubject(isSubjectName(scene) ? scene : 'card'),
+    // What is no environment is refused below, with all the rest.
     demo.showEnvironment(isEnvironmentName(environment) ? environment : 'warehouse'),
   ])
   // The banner says why.
@@ -83,14 +83,22 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   })
   dock.add(new Inspector(demo))
   dock.add(new DesignPanel(demo))
+  const settings = [...panel.settings, tiltSetting(demo.tilt), cameraSetting(viewer)]
+  new Actions(demo, settings)
+  const line = divider(demo.comparison)
   demo.onChanged = () => {
     panel.refresh()
     tabs.refresh()
+    line.refresh()
     showStatus(demo)
   }
   viewer.onSettled = () => {
     explanation.refresh()
+    showFacts(demo)
   }
+  await demo.tell(follow(parameters, settings))
   demo.onChanged()
-  if (foil !== null) await demo.showFoil(foil)
+  viewer.invalidate()
+  // Not before what is seen at first is there.
+  keepOffline()
 }

@@ -1,8 +1,9 @@
 import { join, resolve } from 'node:path'
 
 import { chromium } from 'playwright-core'
-import { createServer } from 'vite'
+import { createServer, preview } from 'vite'
 
+import { ensureDemoPage } from './demo-page.mjs'
 import { findBrowser } from './find-browser.mjs'
 import { root, SetupError } from './process.mjs'
 
@@ -64,5 +65,22 @@ export async function serve(folder) {
   await server.listen()
   const url = server.resolvedUrls?.local[0]
   if (!url) throw new Error(`The server for ${folder} has no local address`)
+  return { url, close: () => server.close() }
+}
+
+/**
+ * Serves the built demo page on a free port, having built it where it is not there.
+ *
+ * @returns {Promise<{ url: string, close: () => Promise<void> }>} url ends with a slash
+ */
+export async function serveDemo() {
+  await ensureDemoPage()
+  const server = await preview({
+    configFile: join(root, 'vite.config.ts'),
+    logLevel: 'error',
+    preview: { port: 0 },
+  })
+  const url = server.resolvedUrls?.local[0]
+  if (!url) throw new Error('The server for the demo page has no local address')
   return { url, close: () => server.close() }
 }

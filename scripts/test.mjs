@@ -6,7 +6,13 @@ import { join } from 'node:path'
 
 import { elapsed, installedFile, root, run, SetupError } from './process.mjs'
 import { venvProgram } from './python.mjs'
-import { ensureBrowser, ensureMaps, ensureNodePackages, ensurePython } from './setup.mjs'
+import {
+  ensureBrowser,
+  ensureDemoPage,
+  ensureMaps,
+  ensureNodePackages,
+  ensurePython,
+} from './setup.mjs'
 
 /** A check that takes longer than this hangs, ms. */
 const timeout = 20 * 60_000
@@ -26,7 +32,7 @@ const python = (name, ...args) => [join(root, venvProgram(name)), ...args]
 /** @param {string} project */
 const vitest = (project) => node('vitest/vitest.mjs', 'run', '--project', project)
 
-const everything = [ensureNodePackages, ensurePython, ensureMaps, ensureBrowser]
+const everything = [ensureNodePackages, ensurePython, ensureMaps, ensureBrowser, ensureDemoPage]
 
 const checks = [
   { name: 'python lint', needs: [ensurePython], command: python('ruff', 'check', '.') },

@@ -146,7 +146,9 @@ export class DesignContents implements ToolContents {
       this.#status.textContent = 'Making the foil …'
       const texels = await bitByBit(begun.steps)
       const foil = await bitByBit(stored(texels))
-      const { map } = await madeFoil('design', texels, foil, begun.facts)
+      const made = await madeFoil('design', texels, foil, begun.facts)
+      // It can be fetched from nowhere.
+      const map = { ...made.map, url: '' }
       const shown = await Foil.of(map, { repeat: this.#repeat(begun.facts.tile) })
       if (asked !== this.#asked) return
       await this.demo.showMadeFoil(shown)
@@ -177,14 +179,14 @@ export class DesignContents implements ToolContents {
     if (way === 'strewn') {
       const recipe = this.#forms.strewn.read()
       if (recipe === null) return null
-      if (!(demo.subject.surface instanceof Foil)) await demo.showSubject('foil')
+      if (!(demo.subject.surface instanceof Foil)) await demo.showSubject('card')
       const { height, tile_mm } = recipe
       const facts: FoilFacts = { height, tile: [tile_mm, tile_mm], recipe: { ...recipe } }
       return { steps: stochasticTexels(recipe), facts }
     }
     const edit = this.#forms.periods.read()
     if (edit === null) return null
-    if (!(demo.subject.surface instanceof Foil)) await demo.showSubject('foil')
+    if (!(demo.subject.surface instanceof Foil)) await demo.showSubject('card')
     const { map } = demo.subject.surface as Foil
     // Other values of the same edit take the place of the last ones.
     const isOwn = this.#design?.map === map && this.#design.way === 'periods'

@@ -6,14 +6,22 @@ import { meanLuminance } from './mean-luminance'
 /** Environments to choose from: names in @pmndrs/assets/hdri, and what they show. */
 export const ENVIRONMENTS = {
   studio: 'Studio',
-  venice: 'Venice, dawn',
+  lab: 'Laboratory',
   warehouse: 'Warehouse',
+  workshop: 'Workshop',
   apartment: 'Apartment',
   lobby: 'Lobby',
-  workshop: 'Workshop',
+  hall: 'Hall',
+  venice: 'Venice, dawn',
+  dawn: 'Dawn',
+  sunrise: 'Sunrise',
+  sky: 'Sky',
+  park: 'Park',
+  forest: 'Forest',
+  bridge: 'Bridge',
+  esplanade: 'Esplanade',
   city: 'City',
   sunset: 'Sunset',
-  forest: 'Forest',
   night: 'Night street',
 } as const
 export type EnvironmentName = keyof typeof ENVIRONMENTS

@@ -8,6 +8,9 @@ export interface FlashPlace {
   height: number
 }
 
+/** The three.js layer of the sphere that shows where the flash is: it is no part of what is lit. */
+export const MARKER_LAYER = 1
+
 const DISTANCE = 1.4
 /** The sphere shows a Gaussian source out to this many standard deviations, where it has fallen to 14 %. */
 const SHOWN_RADIUS = 2
@@ -27,6 +30,7 @@ export class Flash {
 
   constructor() {
     this.#light.name = 'flash'
+    this.#marker.layers.set(MARKER_LAYER)
     this.object.add(this.#light, this.#marker)
     this.angularRadius = MathUtils.degToRad(0.5)
     this.#place()

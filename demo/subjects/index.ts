@@ -1,26 +1,35 @@
+import { bag } from './bag'
+import { bottle } from './bottle'
+import { card } from './card'
 import { disc } from './disc'
-import { foilCard } from './foil-card'
-import { sample } from './sample'
+import { note } from './note/note'
 import { snake } from './snake/snake'
 import type { Subject } from './subject'
 import { vase } from './vase'
+import { wafer } from './wafer'
 
 /** What there is to look at; each is made when it is first chosen. */
 export const SUBJECTS = {
-  foil: 'Foil',
+  card: 'Card',
+  bag: 'Bag',
+  note: 'Note',
+  bottle: 'Bottle',
   disc: 'Disc',
   vase: 'Vase',
   snake: 'Snake',
-  sample: 'Sample',
+  wafer: 'Wafer',
 } as const
 export type SubjectName = keyof typeof SUBJECTS
 
 const makers: Record<SubjectName, () => Promise<Subject>> = {
-  foil: foilCard,
+  card,
+  bag,
+  note,
+  bottle,
   disc,
   vase,
   snake,
-  sample,
+  wafer,
 }
 const made = new Map<SubjectName, Promise<Subject>>()
 

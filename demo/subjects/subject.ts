@@ -1,6 +1,7 @@
-import type { Object3D } from 'three'
+import type { Object3D, Vector2 } from 'three'
 import type { DiffractionMaterial, Foil, Grating, HeightField } from '../../web'
 import type { FlashPlace } from '../light/flash'
+import type { Sheet } from './sheet'
 
 /** One thing to look at, and how it is first seen. */
 export interface Subject {
@@ -19,9 +20,11 @@ export interface Subject {
   flash: FlashPlace
   /** Flash and exposure for what reflects less than metal: radiant intensity in the scene's units, EV. */
   light?: { flash: number; exposure: number }
-  /** How the shape can be bent, where it can. */
-  bend?: { get: () => number; set: (radians: number) => void }
+  /** How many tiles of a foil cover it, along u and v, where any foil can. */
+  repeat?: Vector2
+  /** What can be bent, where something can. */
+  sheet?: Sheet
 }
 
 /** Addresses of the maps, as the page's server offers them. */
-export const MAPS = '/maps/baked/'
+export const MAPS = `${import.meta.env.BASE_URL}maps/baked/`

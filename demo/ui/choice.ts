@@ -1,7 +1,10 @@
+import { choiceSetting, type Setting } from '../link/setting'
 import type { Attempt, Control } from './control'
 import { make, uniqueId } from './elements'
 
 export interface ChoiceOptions<T extends string> {
+  /** In the page's address. */
+  name: string
   label: string
   /** Values and what they are called. */
   options: Readonly<Record<T, string>>
@@ -9,13 +12,16 @@ export interface ChoiceOptions<T extends string> {
   offered?: () => readonly T[]
   /** Undefined where there is nothing to choose. */
   get: () => T | undefined
-  set: (value: T) => void
+  set: (value: T) => void | Promise<void>
 }
 
 /** A drop-down list. */
-export function choice<T extends string>(options: ChoiceOptions<T>, attempt: Attempt): Control {
+export function choice<T extends string>(
+  options: ChoiceOptions<T>,
+  attempt: Attempt,
+): Control & { setting: Setting } {
   const id = uniqueId()
-  const all = Object.keys(options.options) as T[]
+  const words = options.offered ?? ((): readonly T[] => Object.keys(options.options) as T[])
   const select = make('select', '')
   select.id = id
   const label = make('label', '', options.label)
@@ -33,14 +39,16 @@ export function choice<T extends string>(options: ChoiceOptions<T>, attempt: Att
     const value = options.get()
     element.hidden = value === undefined
     if (value === undefined) return
-    offer(options.offered?.() ?? all)
+    offer(words())
     select.value = value
   }
   select.addEventListener('change', () => {
     attempt(() => {
-      options.set(values[select.selectedIndex]!)
+      // What takes time says itself how it went.
+      void options.set(values[select.selectedIndex]!)
     })
     refresh()
   })
-  return { element, refresh }
+  const { name, get, set } = options
+  return { element, refresh, setting: choiceSetting(name, { words, get, set }) }
 }

@@ -1,10 +1,39 @@
 import { Foil } from '../../web'
 import type { Demo } from '../demo'
+import type { Setting } from '../link/setting'
+import { FOILS } from '../subjects/foils'
+import { choice } from './choice'
 import type { Control } from './control'
 import { make, uniqueId } from './elements'
 
-/** The address of the foil's map, to try another, and the period that it states. */
-export function foilField(demo: Demo): Control {
+/** One of the foils that come with the page, or the address of a map, to try another; and the period that it states. */
+export function foilField(demo: Demo): { choice: Control; address: Control; setting: Setting } {
+  const isFoil = (): boolean => demo.subject.surface instanceof Foil
+  const pattern = choice<string>(
+    {
+      name: 'pattern',
+      label: 'Pattern',
+      options: FOILS,
+      get: () => {
+        if (!isFoil()) return undefined
+        return demo.foilUrl in FOILS ? demo.foilUrl : ''
+      },
+      set: async (url) => {
+        if (url !== '') await demo.showFoil(url)
+      },
+    },
+    demo.attempt,
+  )
+  const setting: Setting = {
+    name: 'foil',
+    // A foil that was made in the page has no address.
+    read: () => (isFoil() && demo.foilUrl !== '' ? demo.foilUrl : undefined),
+    write: (url) => demo.showFoil(url),
+  }
+  return { choice: pattern, address: addressField(demo), setting }
+}
+
+function addressField(demo: Demo): Control {
   const id = uniqueId()
   const input = make('input', '')
   Object.assign(input, { type: 'text', id, spellcheck: false })

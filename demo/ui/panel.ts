@@ -1,14 +1,15 @@
 import { MathUtils } from 'three'
-import { Foil, Grating, HeightField, type Method } from '../../web'
+import { Foil, Grating, HeightField } from '../../web'
 import type { Demo } from '../demo'
 import { adjust } from '../subjects/adjust'
 import { ENVIRONMENTS } from '../light/environments'
 import { bakedMethods, FIELDS, type FieldName } from '../subjects/fields'
-import { FOILS } from '../subjects/foil-card'
 import type { Subject } from '../subjects/subject'
 import { choice, type ChoiceOptions } from './choice'
+import type { Setting } from '../link/setting'
 import type { Control } from './control'
 import { make } from './elements'
+import { METHODS } from './methods'
 import { foilField } from './foil-field'
 import { property } from './property'
 import { slider, type SliderOptions } from './slider'
@@ -34,19 +35,12 @@ const ILLUMINANTS = {
   'LED-B5': 'LED B5, 6598 K',
 }
 
-const METHODS: Record<Method, string> = {
-  'closed-form': 'Closed form',
-  'wavelength-loop': 'Loop over wavelengths',
-  'line-sum': 'Line sum',
-  'jacobi-anger': 'Jacobi–Anger series',
-  taylor: 'Taylor series',
-  baked: 'Baked modes',
-}
-
 const { degToRad, radToDeg } = MathUtils
 
 /** All controls, in groups that can be folded. */
 export class Panel {
+  /** The values that controls show, in the order in which they can be taken over. */
+  readonly settings: Setting[] = []
   readonly #controls: Control[] = []
 
   constructor(
@@ -79,66 +73,68 @@ export class Panel {
       grating()?.tracks === 'circular' ? undefined : (grating() ?? heightField())
     const dielectric = (): HeightField | undefined =>
       heightField()?.ior === null ? undefined : heightField()
+    const foil = foilField(demo)
+    this.settings.push(foil.setting)
     this.#group('Surface', true, [
-      this.#choice('Pattern', FOILS, {
-        get: () => {
-          if (!(surface() instanceof Foil)) return undefined
-          return demo.foilUrl in FOILS ? demo.foilUrl : ''
-        },
-        set: (url) => {
-          if (url !== '') void demo.showFoil(url)
-        },
-      }),
-      foilField(demo),
-      this.#choice('Relief', FIELDS, {
+      foil.choice,
+      foil.address,
+      this.#choice('relief', 'Relief', FIELDS, {
         // The material's: one that is on its way is the one that was chosen.
         get: () => only(demo.subject.material.surface, HeightField)?.field as FieldName | undefined,
-        set: (value) => void demo.showField(value),
+        set: (value) => demo.showField(value),
       }),
       this.#slider({
+        name: 'period',
         label: 'Period',
         unit: 'µm',
         ...{ min: 0.4, max: 6, step: 0.01 },
         ...property(grating, 'period'),
       }),
       this.#slider({
+        name: 'height',
         label: 'Relief height',
         unit: 'µm',
         ...{ min: 0.01, max: 0.5, step: 0.005 },
         ...property(profiled, 'height'),
       }),
-      this.#choice('Profile', PROFILES, property(profiled, 'profile')),
-      this.#degrees('Orientation', -180, 180, 1, property(directed, 'orientation')),
-      this.#choice('Metal', METALS, {
+      this.#choice('profile', 'Profile', PROFILES, property(profiled, 'profile')),
+      this.#degrees('orientation', 'Orientation', -180, 180, 1, property(directed, 'orientation')),
+      this.#choice('metal', 'Metal', METALS, {
         get: () => (dielectric() === undefined ? demo.subject.material.metal : undefined),
         set: (value) => {
           adjust(demo.subject.material, { metal: value })
         },
       }),
       this.#slider({
+        name: 'ior',
         label: 'Refractive index',
         unit: '',
         ...{ min: 1.05, max: 2.5, step: 0.01 },
         get: () => dielectric()?.ior ?? undefined,
         set: property(dielectric, 'ior').set,
       }),
-      this.#degrees('Roughness (σ of tilt)', 0, 5, 0.05, {
+      this.#degrees('roughness', 'Roughness (σ of tilt)', 0, 5, 0.05, {
         get: () => demo.subject.material.roughness,
         set: (value) => {
           adjust(demo.subject.material, { roughness: value })
         },
       }),
       this.#slider({
+        name: 'coat',
         label: 'Clear coat',
         unit: '%',
         ...{ min: 0, max: 100, step: 1 },
         get: () => 100 * demo.subject.material.coat,
         set: (value) => (demo.subject.material.coat = value / 100),
       }),
-      this.#degrees('Bend', -120, 120, 1, {
-        get: () => demo.subject.bend?.get(),
-        set: (value) => demo.subject.bend?.set(value),
-      }),
+      this.#degrees(
+        'bend',
+        'Bend',
+        -120,
+        120,
+        1,
+        property(() => demo.subject.sheet, 'angle'),
+      ),
     ])
   }
 
@@ -147,25 +143,28 @@ export class Panel {
     const { surroundings, viewer } = demo
     this.#group('Surroundings', true, [
       this.#choice(
+        'environment',
         'Environment',
         { ...ENVIRONMENTS, none: 'None' },
         {
           get: () => surroundings.chosen,
-          set: (value) => void demo.showEnvironment(value),
+          set: (value) => demo.showEnvironment(value),
         },
       ),
       this.#slider({
+        name: 'brightness',
         label: 'Brightness',
         unit: '%',
         ...{ min: 0, max: 300, step: 5 },
         get: () => 100 * surroundings.brightness,
         set: (value) => (surroundings.brightness = value / 100),
       }),
-      this.#degrees('Turn', -180, 180, 1, {
+      this.#degrees('turn', 'Turn', -180, 180, 1, {
         get: () => surroundings.turn,
         set: (value) => (surroundings.turn = value),
       }),
       this.#slider({
+        name: 'exposure',
         label: 'Exposure',
         unit: 'EV',
         ...{ min: -4, max: 4, step: 0.1 },
@@ -179,21 +178,22 @@ export class Panel {
     const { flash } = this.demo
     this.#group('Flash', true, [
       this.#slider({
+        name: 'flash',
         label: 'Intensity',
         unit: 'cd',
         ...{ min: 0, max: 20, step: 0.1 },
         get: () => flash.intensity,
         set: (value) => (flash.intensity = value),
       }),
-      this.#degrees('Angular radius (σ)', 0.05, 5, 0.05, {
+      this.#degrees('flash-radius', 'Angular radius (σ)', 0.05, 5, 0.05, {
         get: () => flash.angularRadius,
         set: (value) => (flash.angularRadius = value),
       }),
-      this.#degrees('Azimuth', -180, 180, 1, {
+      this.#degrees('flash-azimuth', 'Azimuth', -180, 180, 1, {
         get: () => flash.azimuth,
         set: (value) => (flash.azimuth = value),
       }),
-      this.#degrees('Height', -85, 85, 1, {
+      this.#degrees('flash-height', 'Height', -85, 85, 1, {
         get: () => flash.height,
         set: (value) => (flash.height = value),
       }),
@@ -203,18 +203,21 @@ export class Panel {
   #addMethod(): void {
     const { demo } = this
     this.#group('Light and method', false, [
-      this.#choice('Illuminant', ILLUMINANTS, {
+      this.#choice('illuminant', 'Illuminant', ILLUMINANTS, {
         get: () => demo.subject.material.illuminant as keyof typeof ILLUMINANTS,
         set: (value) => {
           adjust(demo.subject.material, { illuminant: value })
         },
       }),
-      this.#choice('Method', METHODS, {
+      this.#choice('method', 'Method', METHODS, {
         offered: () => bakedMethods(demo.subject.surface),
         get: () => demo.subject.material.method,
-        set: (value) => (demo.subject.material.method = value),
+        set: (value) => {
+          demo.subject.material.method = value
+        },
       }),
       this.#slider({
+        name: 'coherence',
         label: 'Coherence (σ of window)',
         unit: 'µm',
         ...{ min: 1, max: 60, step: 0.25 },
@@ -235,19 +238,25 @@ export class Panel {
   }
 
   #slider(options: SliderOptions): Control {
-    return slider(options, this.demo.attempt)
+    const control = slider(options, this.demo.attempt)
+    this.settings.push(control.setting)
+    return control
   }
 
   #choice<T extends string>(
+    name: string,
     label: string,
     options: Readonly<Record<T, string>>,
-    value: Omit<ChoiceOptions<T>, 'label' | 'options'>,
+    value: Omit<ChoiceOptions<T>, 'name' | 'label' | 'options'>,
   ): Control {
-    return choice({ label, options, ...value }, this.demo.attempt)
+    const control = choice({ name, label, options, ...value }, this.demo.attempt)
+    this.settings.push(control.setting)
+    return control
   }
 
   /** A slider in degrees for a value in radians. */
   #degrees(
+    name: string,
     label: string,
     min: number,
     max: number,
@@ -255,6 +264,7 @@ export class Panel {
     { get, set }: { get: () => number | undefined; set: (value: number) => void },
   ): Control {
     return this.#slider({
+      name,
       label,
       unit: '°',
       ...{ min, max, step },

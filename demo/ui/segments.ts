@@ -23,7 +23,12 @@ export function segments<T extends string>(
     return input
   })
   const refresh = (): void => {
-    for (const input of inputs) input.checked = input.value === get()
+    for (const input of inputs) {
+      input.checked = input.value === get()
+      // In a narrow window the bar scrolls.
+      if (input.checked)
+        input.parentElement?.scrollIntoView({ block: 'nearest', inline: 'nearest' })
+    }
   }
   refresh()
   return { element: fieldset, refresh }

@@ -1,7 +1,10 @@
+import { numberSetting, type Setting } from '../link/setting'
 import type { Attempt, Control } from './control'
 import { make, uniqueId } from './elements'
 
 export interface SliderOptions {
+  /** In the page's address. */
+  name: string
   label: string
   unit: string
   min: number
@@ -13,7 +16,7 @@ export interface SliderOptions {
 }
 
 /** A slider with its value and unit beside the label. */
-export function slider(options: SliderOptions, attempt: Attempt): Control {
+export function slider(options: SliderOptions, attempt: Attempt): Control & { setting: Setting } {
   const { min, max, step, unit } = options
   const id = uniqueId()
   const input = make('input', '')
@@ -43,5 +46,5 @@ export function slider(options: SliderOptions, attempt: Attempt): Control {
     })
     refresh()
   })
-  return { element, refresh }
+  return { element, refresh, setting: numberSetting(options.name, options) }
 }

@@ -13,18 +13,25 @@ export class Tilt {
   #time = 0
 
   /** Takes up another object, held in a given way. */
-  hold(object: Object3D, [x, y]: readonly [number, number]): void {
+  hold(object: Object3D, pose: readonly [number, number]): void {
     this.#object = object
-    this.#x = x
-    this.#y = y
     this.#time = 0
+    this.pose = pose
+  }
+
+  /** The object's turns about x and y without its swaying, rad. */
+  get pose(): readonly [number, number] {
+    return [this.#x, this.#y]
+  }
+
+  set pose([x, y]: readonly [number, number]) {
+    this.#x = MathUtils.clamp(x, -STEEPEST, STEEPEST)
+    this.#y = y
     this.#pose()
   }
 
   turn(right: number, down: number): void {
-    this.#x = MathUtils.clamp(this.#x + down, -STEEPEST, STEEPEST)
-    this.#y += right
-    this.#pose()
+    this.pose = [this.#x + down, this.#y + right]
   }
 
   /** Goes on swaying; false if it does not sway. */

@@ -1,4 +1,5 @@
 import {
+  FloatType,
   MathUtils,
   NeutralToneMapping,
   PerspectiveCamera,
@@ -8,7 +9,9 @@ import {
 } from 'three'
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js'
 import { ProgressiveRefinement } from '../../web'
+import { MARKER_LAYER } from '../light/flash'
 import { MovingResolution } from './moving-resolution'
+import { WHOLE, type Pane } from './pane'
 
 /** How long after the last change the picture is drawn in full resolution, ms. */
 const REST_DELAY = 160
@@ -17,6 +20,12 @@ const REST_DELAY = 160
 const FIELD_OF_VIEW = 30
 /** Factor on radiance at 0 EV. */
 const BASE_EXPOSURE = 0.6
+
+interface PaneDrawing {
+  pane: Pane
+  refinement: ProgressiveRefinement
+  time: number
+}
 
 /** Draws the scene when something has changed: quickly while it moves, finely at rest, and then no more. */
 export class Viewer {
@@ -32,7 +41,7 @@ export class Viewer {
     console.error(error)
   }
 
-  readonly #refinement: ProgressiveRefinement
+  #panes: readonly PaneDrawing[] = []
   readonly #moving = new MovingResolution()
   #fittedAspect = 1
   #isRequested = false
@@ -62,7 +71,8 @@ export class Viewer {
     canvas.addEventListener('webglcontextrestored', () => {
       this.invalidate()
     })
-    this.#refinement = new ProgressiveRefinement(this.renderer)
+    this.#panes = this.#drawings([WHOLE])
+    this.camera.layers.enable(MARKER_LAYER)
     this.orbit = new OrbitControls(this.camera, canvas)
     this.orbit.enablePan = false
     this.orbit.minDistance = 1.5
@@ -92,6 +102,42 @@ export class Viewer {
   fit(aspect: number): void {
     this.#fittedAspect = aspect
     this.#resize()
+  }
+
+  /** What the picture is put together of, from the left to the right. */
+  get panes(): readonly Pane[] {
+    return this.#panes.map(({ pane }) => pane)
+  }
+
+  set panes(panes: readonly Pane[]) {
+    for (const { refinement } of this.#panes.slice(panes.length)) refinement.dispose()
+    this.#panes = this.#drawings(panes)
+    this.invalidate()
+  }
+
+  /** How long a frame of each pane takes in full resolution, ms; the least that was measured of this picture. */
+  get frameTimes(): readonly number[] {
+    return this.#panes.map(({ time }) => time)
+  }
+
+  /** What the canvas shows, as a PNG file. */
+  picture(): Promise<Blob> {
+    // A canvas may be emptied once it has been shown: what is read has to be drawn in the same task.
+    for (const drawing of this.#panes) this.#show(drawing)
+    return new Promise((resolve, reject) => {
+      this.canvas.toBlob((blob) => {
+        if (blob === null) reject(new Error('This browser made no picture of the view'))
+        else resolve(blob)
+      })
+    })
+  }
+
+  #drawings(panes: readonly Pane[]): PaneDrawing[] {
+    return panes.map((pane, i) => ({
+      pane,
+      refinement: this.#panes[i]?.refinement ?? new ProgressiveRefinement(this.renderer),
+      time: Infinity,
+    }))
   }
 
   /** Says that the picture is no longer what it should be. */
@@ -151,18 +197,56 @@ export class Viewer {
   }
 
   #begin(scale: number): void {
-    const { width, height } = this.canvas
-    this.#refinement.begin(
-      Math.max(Math.round(width * scale), 1),
-      Math.max(Math.round(height * scale), 1),
-    )
+    for (const drawing of this.#panes) {
+      const { width, height } = this.#bounds(drawing.pane)
+      drawing.refinement.begin(
+        Math.max(Math.round(width * scale), 1),
+        Math.max(Math.round(height * scale), 1),
+      )
+      drawing.time = Infinity
+    }
   }
 
   /** Returns whether the picture needs further frames. */
   #refine(): boolean {
-    const needsMore = this.#refinement.frame(this.scene, this.camera)
-    this.#refinement.show()
+    let needsMore = false
+    for (const drawing of this.#panes) {
+      const { refinement, pane } = drawing
+      if (refinement.count === refinement.frames) continue
+      const { x, width, height } = this.#bounds(pane)
+      const start = performance.now()
+      this.camera.setViewOffset(this.canvas.width, height, x, 0, width, height)
+      pane.draw(() => {
+        if (refinement.frame(this.scene, this.camera)) needsMore = true
+      })
+      this.camera.clearViewOffset()
+      if (this.#isMeanAtRest) {
+        this.#finish(refinement)
+        drawing.time = Math.min(drawing.time, performance.now() - start)
+      }
+      this.#show(drawing)
+    }
     return needsMore
+  }
+
+  /** Waits until a frame is drawn: reading a pixel of it cannot be answered before. */
+  #finish({ mean }: ProgressiveRefinement): void {
+    const pixel = mean.texture.type === FloatType ? new Float32Array(4) : new Uint16Array(4)
+    this.renderer.readRenderTargetPixels(mean, 0, 0, 1, 1, pixel)
+  }
+
+  #show({ pane, refinement }: PaneDrawing): void {
+    const ratio = this.renderer.getPixelRatio()
+    const { x, width, height } = this.#bounds(pane)
+    this.renderer.setViewport(x / ratio, 0, width / ratio, height / ratio)
+    refinement.show()
+  }
+
+  /** Bounds in pixels of the canvas. */
+  #bounds({ left, right }: Pane): { x: number; width: number; height: number } {
+    const { width, height } = this.canvas
+    const x = Math.round(left * width)
+    return { x, width: Math.max(Math.round(right * width) - x, 1), height }
   }
 
   #settle(): void {

@@ -28,14 +28,14 @@ async function inspect(query: string, width: number, height: number): Promise<Op
   pages.push(opened.page)
   await settle(opened.page)
   await opened.page.getByRole('button', { name: 'Inspect', exact: true }).press('Enter')
-  await opened.page.waitForSelector('.inspector .facts dd')
+  await opened.page.waitForSelector('.point-facts dd')
   return opened
 }
 
 /** What the facts say of a term. */
 function fact(page: Page, term: string): Promise<string> {
   return page
-    .locator('.facts div')
+    .locator('.point-facts div')
     .filter({ has: page.locator('dt', { hasText: term }) })
     .locator('dd')
     .innerText()
@@ -77,7 +77,7 @@ describe('the inspector', () => {
       )
     expect(await loaded()).toEqual([])
     await page.getByRole('button', { name: 'Inspect', exact: true }).click()
-    await page.waitForSelector('.inspector .facts dd')
+    await page.waitForSelector('.point-facts dd')
     expect(await loaded()).not.toEqual([])
   })
 
@@ -128,7 +128,7 @@ describe('the inspector', () => {
   })
 
   it('shows each kind of surface what it is made of', async () => {
-    const { page, complaints } = await inspect('?scene=sample', 820, 420)
+    const { page, complaints } = await inspect('?scene=wafer', 820, 420)
     expect(await alternative(page, 'Spectrum of the relief')).toMatch(/Strongest.*%/)
     expect(await page.locator('.block', { hasText: /^Lobes/ }).isVisible()).toBe(false)
     for (const table of ['series', 'colours', 'metals']) {

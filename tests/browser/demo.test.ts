@@ -97,8 +97,8 @@ describe('the demo', () => {
     expectColours(pixels, 0.0003)
   })
 
-  it('shows a sample in colours, and another relief when it is chosen', async () => {
-    const { page, complaints } = await open('?scene=sample', 820, 240)
+  it('shows a wafer in colours, and another relief when it is chosen', async () => {
+    const { page, complaints } = await open('?scene=wafer', 820, 240)
     const before = await picture(page)
     expectColours(before, 0.001)
     expect(await page.getByLabel('Method').inputValue()).toBe('line-sum')

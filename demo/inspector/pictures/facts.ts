@@ -6,7 +6,7 @@ import { degrees, micrometres, number, percent } from './numbers'
 
 /** What there is at the point, in numbers. */
 export class Facts {
-  readonly element = make('section', 'facts')
+  readonly element = make('section', 'point-facts')
   readonly #list = make('dl', '')
 
   constructor() {

@@ -7,7 +7,7 @@ import { MAPS, type Subject } from './subject'
 const FLAT = MathUtils.degToRad(18)
 
 /** A flat metallised wafer with the same relief all over. */
-export async function sample(): Promise<Subject> {
+export async function wafer(): Promise<Subject> {
   const surface = new HeightField({ field: 'bumps' })
   const material = new DiffractionMaterial({
     surface,

@@ -1,0 +1,44 @@
+import type { DiffractionMaterial } from '../../web'
+import measuredErrors from '../../web/materials/measured-errors.json'
+
+interface Row {
+  options: Partial<Record<string, string | number>>
+  rel_rmse: number
+}
+
+const CLASSES = measuredErrors.classes as unknown as Partial<
+  Record<string, Partial<Record<'lights' | 'environment', { settings: readonly Row[] }>>>
+>
+
+/**
+ * Largest relative root mean square error of radiance that the report has measured for a material's surface drawn as
+ * the material draws it; null where it has measured none.
+ */
+export function measuredError(
+  material: DiffractionMaterial,
+  lit: { lights: boolean; environment: boolean },
+): number | null {
+  const { surface, method, efficiencies, wavelengthStep, environmentNodes } = material
+  const name = surface.measuredAs(material)
+  const drawn: Row['options'] = { method, efficiencies, wavelengthStep, environmentNodes }
+  // A row says what differs from the options that a material has by itself.
+  const usual: Row['options'] = {
+    method: surface.methods[0]!,
+    efficiencies: 'table',
+    wavelengthStep: 0.005,
+    environmentNodes: 12,
+  }
+  const errors = (['lights', 'environment'] as const)
+    .filter((part) => lit[part])
+    .map((part) => {
+      const knob = part === 'lights' ? 'wavelengthStep' : 'environmentNodes'
+      const row = CLASSES[name]?.[part]?.settings.find(({ options }) =>
+        ['method', 'efficiencies', knob].every(
+          (option) => (options[option] ?? usual[option]) === drawn[option],
+        ),
+      )
+      return row?.rel_rmse ?? null
+    })
+  if (errors.length === 0 || errors.includes(null)) return null
+  return Math.max(...errors.map(Number))
+}
