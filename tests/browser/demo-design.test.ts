@@ -7,7 +7,7 @@ import { unzipSync } from 'fflate'
 import type { Browser, Page } from 'playwright-core'
 import ts from 'typescript'
 import { afterAll, afterEach, beforeAll, describe, expect, it, vi } from 'vitest'
-import { launchBrowser, serve } from '../../scripts/browser.mjs'
+import { launchBrowser, serveDemo } from '../../scripts/browser.mjs'
 import { venvProgram } from '../../scripts/python.mjs'
 import { Foil } from '../../web'
 import { serveFiles } from '../web/fake-maps'
@@ -16,13 +16,13 @@ import { meanDifference, pixelsOf, type Pixels } from './screenshot'
 
 const root = fileURLToPath(new URL('../../', import.meta.url))
 
-let server: Awaited<ReturnType<typeof serve>>
+let server: Awaited<ReturnType<typeof serveDemo>>
 let browser: Browser
 let folder: string
 const pages: Page[] = []
 
 beforeAll(async () => {
-  server = await serve('demo')
+  server = await serveDemo()
   browser = await launchBrowser({ backend: 'llvmpipe' })
   await mkdir(join(root, 'tests/output'), { recursive: true })
   folder = await mkdtemp(join(root, 'tests/output/demo-design-'))

@@ -1,15 +1,15 @@
 import type { Browser, Page } from 'playwright-core'
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest'
 import { gamutMapped } from '../../demo/inspector/optics/display'
-import { launchBrowser, serve } from '../../scripts/browser.mjs'
+import { launchBrowser, serveDemo } from '../../scripts/browser.mjs'
 import { dockLayout, openPage, settle, type OpenedPage } from './demo-page'
 
-let server: Awaited<ReturnType<typeof serve>>
+let server: Awaited<ReturnType<typeof serveDemo>>
 let browser: Browser
 const pages: Page[] = []
 
 beforeAll(async () => {
-  server = await serve('demo')
+  server = await serveDemo()
   browser = await launchBrowser({ backend: 'llvmpipe' })
 })
 
@@ -73,7 +73,7 @@ describe('the inspector', () => {
         performance
           .getEntriesByType('resource')
           .map(({ name }) => name)
-          .filter((name) => /\/inspector\/(contents|pictures|optics)/.test(name)),
+          .filter((name) => /contents/.test(name)),
       )
     expect(await loaded()).toEqual([])
     await page.getByRole('button', { name: 'Inspect', exact: true }).click()
