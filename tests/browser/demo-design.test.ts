@@ -153,11 +153,11 @@ describe('the design panel', () => {
     await makePolygons(page)
     const before = await picture(page)
     const refused = async (label: string, text: string, expected: RegExp): Promise<void> => {
-      const field = page.getByLabel(label, { exact: true })
+      const field = page.locator('.design').getByLabel(label, { exact: true })
       const good = await field.inputValue()
       await field.fill(text)
       await page
-        .locator('.field', { has: field })
+        .locator('.field', { has: page.getByLabel(label, { exact: true }) })
         .locator('.field-error', { hasText: expected })
         .waitFor()
       expect(await field.getAttribute('aria-invalid')).toBe('true')
