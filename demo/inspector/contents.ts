@@ -1,5 +1,6 @@
 import { Vector2, Vector3 } from 'three'
 import { Foil, Grating, HeightField } from '../../web'
+import { bitByBit, type Steps } from '../../web/steps'
 import type { Demo } from '../demo'
 import type { ToolContents } from '../tools/dock'
 import { byId, make } from '../ui/elements'
@@ -18,7 +19,7 @@ import { ReliefLines } from './pictures/relief-lines'
 import { Spectra } from './pictures/spectra'
 import { TablePictures } from './pictures/tables'
 import { loadTables, pointOptics, type PointOptics, type SpectralTables } from './point-optics'
-import { environmentRadiance, flashRadiance, type Radiance } from './radiance'
+import { environmentRadiance, flashRadiance } from './radiance'
 import { RenderedPixel } from './rendered-pixel'
 
 /** While things move the pictures follow as often as this, ms. */
@@ -54,6 +55,7 @@ export class InspectorContents implements ToolContents {
   /** What the last pictures were made from. */
   #shown = ''
   #shownAt = 0
+  #isDrawing = false
   #rendered = ''
 
   constructor(private readonly demo: Demo) {
@@ -103,28 +105,39 @@ export class InspectorContents implements ToolContents {
     this.#moveCrosshair(this.#point)
     if (this.#tables === null) return
     const state = this.#state()
-    if (state !== this.#shown && now - this.#shownAt >= INTERVAL) {
+    if (state !== this.#shown && now - this.#shownAt >= INTERVAL && !this.#isDrawing) {
       this.#shown = state
       this.#shownAt = now
-      this.#draw(this.#point, this.#tables)
+      this.#isDrawing = true
+      void bitByBit(this.#draw(this.#point, this.#tables)).finally(() => {
+        this.#isDrawing = false
+      })
     }
     const isSettled = this.#canvas.dataset['state'] === 'settled'
-    if (isSettled && this.#shown === state && this.#rendered !== state) {
+    if (isSettled && !this.#isDrawing && this.#shown === state && this.#rendered !== state) {
       this.#rendered = state
       void this.#compare(this.#point, this.#tables, state)
     }
   }
 
-  #draw(point: PickedPoint, tables: SpectralTables): void {
+  /** Picture by picture, so that none keeps the page waiting for all. */
+  *#draw(point: PickedPoint, tables: SpectralTables): Steps<void> {
     const optics = this.#optics(point, tables)
     const exposure = this.demo.viewer.renderer.toneMappingExposure
     const light = this.#environmentLight()
     this.#facts.show(optics)
     void this.#map.show(optics)
+    yield
     this.#lobes.show(optics, this.#colours)
+    yield
     this.#lines.show(optics, this.#colours)
+    yield
     this.#arcs.show(optics, light, exposure, this.#colours)
-    const [flash, environment] = radiances(optics, light)
+    yield
+    const flash = flashRadiance(optics)
+    yield
+    const environment = light && environmentRadiance(optics, light)
+    yield
     this.#spectra.show(optics, flash, environment, this.#colours)
     this.#spectra.compare(flash, environment, null, exposure)
     this.#tablePictures.show(tables)
@@ -148,7 +161,9 @@ export class InspectorContents implements ToolContents {
     const rendered = await this.#pixel.read(pixel)
     if (this.#rendered !== state) return
     const exposure = this.demo.viewer.renderer.toneMappingExposure
-    this.#spectra.compare(...radiances(optics, this.#environmentLight()), rendered, exposure)
+    const light = this.#environmentLight()
+    const environment = light && environmentRadiance(optics, light)
+    this.#spectra.compare(flashRadiance(optics), environment, rendered, exposure)
   }
 
   #optics(point: PickedPoint, tables: SpectralTables): PointOptics {
@@ -273,11 +288,4 @@ function isWithin({ mesh }: PickedPoint, object: object): boolean {
   for (let parent: object | null = mesh; parent !== null; parent = (parent as typeof mesh).parent)
     if (parent === object) return true
   return false
-}
-
-function radiances(
-  optics: PointOptics,
-  light: EnvironmentLight | null,
-): [flash: Radiance, environment: Radiance | null] {
-  return [flashRadiance(optics), light && environmentRadiance(optics, light)]
 }

@@ -45,14 +45,15 @@ export function flashRadiance(optics: PointOptics): Radiance {
 
 /** Wavelengths at which an environment is read: every so many nanometres. */
 const ENVIRONMENT_STRIDE = 5
-/** Lines of a relief whose light is followed. */
-const LINES = 160
 /** Tilts of a rough surface, in standard deviations along either axis, and their shares: Gauss and Hermite's three nodes. */
 const TILTS = [
   [-Math.sqrt(3), 1 / 6],
   [0, 2 / 3],
   [Math.sqrt(3), 1 / 6],
 ] as const
+const NO_TILT = [[0, 1]] as const
+/** What takes less of the light is read in its middle alone. */
+const BLURRED_SHARE = 2e-3
 
 /** A place that light comes from at a wavelength, and the share of its radiance that reaches the eye. */
 interface Way {
@@ -74,8 +75,9 @@ export function environmentRadiance(optics: PointOptics, light: EnvironmentLight
     for (const { wi, share } of ways(spectrum.wavelengths[cell]!)) {
       if (share < 1e-5) continue
       const move = (wi[2] + wo[2]) * roughness
-      for (const [x, shareX] of roughness > 0 ? TILTS : [[0, 1] as const])
-        for (const [y, shareY] of roughness > 0 ? TILTS : [[0, 1] as const]) {
+      const tilts = roughness > 0 && share > BLURRED_SHARE ? TILTS : NO_TILT
+      for (const [x, shareX] of tilts)
+        for (const [y, shareY] of tilts) {
           const direction = moved(wi, move * x, move * y)
           const world = inWorld(axes, direction)
           light
@@ -97,7 +99,7 @@ export function environmentRadiance(optics: PointOptics, light: EnvironmentLight
 
 function waysOf({ grating, relief, wo }: PointOptics): (wavelength: number) => Way[] {
   if (relief !== null) {
-    const lines = strongestLines(relief.relief, 2 * wo[2], 0.55, LINES)
+    const lines = strongestLines(relief.relief, 2 * wo[2], 0.55)
     return (wavelength) =>
       lines.flatMap(({ line, power }) => {
         const wi = lineDirection(wo, relief.relief.frequency(line), wavelength)

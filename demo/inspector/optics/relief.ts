@@ -122,20 +122,43 @@ export function reliefBrdf(
   return reflectance(wavelength, wi, wo) * kirchhoffFactor(wi, wo) * density * scale
 }
 
-/** The lines that take most of the light at that depth, the strongest first. */
+/** A line, and the share |A|² of the light that it takes. */
+export interface PoweredLine {
+  line: Line
+  power: number
+}
+
+/** Lines that are kept of each spectrum, and steps of w in which they are: what is smaller is not seen. */
+const MOST_LINES = 160
+const STEPS_OF_W = 100
+
+const strongest = new WeakMap<Relief, Map<string, readonly PoweredLine[]>>()
+
+/** The lines that take most of the light about that depth, the strongest first, 160 at most. w: cosθ_i + cosθ_o. */
 export function strongestLines(
   relief: Relief,
   w: number,
   wavelength: number,
-  count: number,
-): { line: Line; power: number }[] {
+): readonly PoweredLine[] {
+  let known = strongest.get(relief)
+  if (known === undefined)
+    strongest.set(relief, (known = new Map<string, readonly PoweredLine[]>()))
+  const step = Math.round(STEPS_OF_W * Math.max(w, 0))
+  const key = `${step} ${wavelength}`
+  let lines = known.get(key)
+  if (lines === undefined)
+    known.set(key, (lines = foundLines(relief, step / STEPS_OF_W, wavelength)))
+  return lines
+}
+
+function foundLines(relief: Relief, w: number, wavelength: number): PoweredLine[] {
   const power = relief.powers(w, wavelength)
   const [across, along] = relief.lines
-  const found: { line: Line; power: number }[] = []
+  const found: PoweredLine[] = []
   for (let j = -across; j <= across; j++)
     for (let l = -along; l <= along; l++) {
       const share = power([j, l])
-      if (share > 1e-6) found.push({ line: [j, l], power: share })
+      if (share > 1e-5) found.push({ line: [j, l], power: share })
     }
-  return found.sort((a, b) => b.power - a.power).slice(0, count)
+  return found.sort((a, b) => b.power - a.power).slice(0, MOST_LINES)
 }

@@ -104,7 +104,8 @@ export class EnvironmentArcs {
 
 function arcsOf({ grating, relief, wo }: PointOptics): Arc[] {
   if (relief !== null)
-    return strongestLines(relief.relief, 2 * wo[2], GREEN, LINES + 1)
+    return strongestLines(relief.relief, 2 * wo[2], GREEN)
+      .slice(0, LINES + 1)
       .filter(({ line }) => line.some((number) => number !== 0))
       .map(({ line, power }) => {
         const frequency = relief.relief.frequency(line)

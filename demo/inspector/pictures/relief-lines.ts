@@ -91,7 +91,8 @@ function drawnLines(
       if (level > pixels.data[at]!) pixels.data.fill(level, at, at + 3)
     }
   context.putImageData(pixels, 0, 0)
-  const strongest = strongestLines(relief, w, GREEN, 4)
+  const strongest = strongestLines(relief, w, GREEN)
+    .slice(0, 4)
     .map(({ line, power }) => {
       const [fx, fy] = relief.frequency(line)
       return `(${number(fx, 2)}, ${number(fy, 2)}) ${percent(power)}`
