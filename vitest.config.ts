@@ -11,6 +11,16 @@ export default defineConfig({
       {
         extends: true,
         test: {
+          name: 'docs',
+          include: ['tests/docs/**/*.test.ts'],
+          // TypeScript reads three's declarations; Chromium shows every page's programs one after the other.
+          testTimeout: 300_000,
+          hookTimeout: 120_000,
+        },
+      },
+      {
+        extends: true,
+        test: {
           name: 'package',
           include: ['tests/package/**/*.test.ts'],
           globalSetup: 'tests/package/pack.ts',

@@ -59,6 +59,13 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     get: () => dragMode,
     set: (mode) => (dragMode = mode),
   })
+  const tabs = segments(byId('subjects', HTMLFieldSetElement), {
+    options: SUBJECTS,
+    get: () => demo.subjectName,
+    set: (name) => void demo.showSubject(name),
+  })
+  // What is shown before it is filled would be seen to move.
+  byId('actions', HTMLDivElement).hidden = false
 
   const scene = parameters.get('scene')
   const environment = parameters.get('environment')
@@ -73,11 +80,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   const panel = new Panel(form, demo)
   const explanation = new Explanation(() => demo.explain())
   form.append(explanation.element)
-  const tabs = segments(byId('subjects', HTMLFieldSetElement), {
-    options: SUBJECTS,
-    get: () => demo.subjectName,
-    set: (name) => void demo.showSubject(name),
-  })
+  byId('remarks', HTMLElement).hidden = false
   const dock = new Dock((error) => {
     demo.banner.show(error)
   })

@@ -71,7 +71,12 @@ class ClosedForm:
         self.window = 1 / (8 * np.pi**2 * grating.coherence**2)
 
     def colour_brdf(self, wi: Array, wo: Array) -> Array:
-        """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3)."""
+        """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3).
+
+        Args:
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+        """
         u, v, w = (wi + wo).T
         above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
         widest = self.blur(wi, wo[:, 2] + 1)[1]
@@ -89,7 +94,12 @@ class ClosedForm:
         return result
 
     def blur(self, wi: Array, w: Array) -> Array:
-        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source, shape (3, n)."""
+        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source, shape (3, n).
+
+        Args:
+            wi: ω_i, shape (n, 3), above the horizon.
+            w: w = cosθ_i + cosθ_o, no unit, shape (n,).
+        """
         α = self.light.angular_radius
         tilt = (w * self.grating.roughness) ** 2
         return np.stack(
@@ -101,12 +111,22 @@ class ClosedForm:
         )
 
     def spread(self, w: Array) -> Array:
-        """The largest standard deviation of a lobe in spatial frequency, 1/µm, shape (n,)."""
+        """The largest standard deviation of a lobe in spatial frequency, 1/µm, shape (n,).
+
+        Args:
+            w: w = cosθ_i + cosθ_o, no unit, shape (n,).
+        """
         widest = (w * self.grating.roughness) ** 2 + self.light.angular_radius**2
         return np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
 
     def order_depth(self, wi: Array, wo: Array, offset: Array | float) -> Array:
-        """w of an order at offset = mλ/a, shape (n,)."""
+        """w of an order at offset = mλ/a, shape (n,).
+
+        Args:
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+            offset: mλ/a, no unit, shape (n,) or one for all.
+        """
         if self.grating.energy != "conserving":
             return wi[:, 2] + wo[:, 2]
         return wo[:, 2] + np.sqrt(np.maximum(_squared_cosine(wo, offset), 0))
@@ -134,7 +154,13 @@ class ClosedForm:
         return scale[:, None] * xyz
 
     def at_node(self, node: Node, wi: Array, wo: Array) -> Array:
-        """f_r of all orders at a node's wavelength, 1/sr, shape (n,)."""
+        """f_r of all orders at a node's wavelength, 1/sr, shape (n,).
+
+        Args:
+            node: One band of the spectrum.
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+        """
         u, v, _ = (wi + wo).T
         s = np.full(len(u), 1 / node.wavelength)
         width = s**2 * node.bandwidth * BAND_DEVIATION
@@ -169,7 +195,13 @@ class ClosedForm:
         return np.asarray(xyz), np.clip(mean, WAVENUMBER_MIN, WAVENUMBER_MAX)
 
     def efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:
-        """η_m at w = cosθ_i + cosθ_o and at a wavenumber in 1/µm, from the profile's table."""
+        """η_m at w = cosθ_i + cosθ_o and at a wavenumber in 1/µm, from the profile's table.
+
+        Args:
+            m: The order.
+            w: w = cosθ_i + cosθ_o, no unit, shape (n,).
+            wavenumber: 1/λ, 1/µm, shape (n,).
+        """
         φ = 2 * np.pi * w * self.grating.height * wavenumber
         return self.efficiencies.sample(np.full(φ.shape, float(m)), φ)[..., 0]
 
@@ -211,8 +243,9 @@ def above_horizon(squared_cosine: Array, deviation: Array) -> Array:
     """The part of a lobe above the horizon, at most 0.002 more than Φ((1 − r)/c) and never less.
 
     Args:
-        squared_cosine: 1 − r² of the lobe's middle, below 0 where that is under the horizon.
-        deviation: c, likewise in directions.
+        squared_cosine: 1 − r², no unit, of the lobe's middle, below 0 where that is under the
+            horizon.
+        deviation: c, of the sine, no unit.
     """
     # 1 − r = (1 − r²)/2 + (1 − r²)²/8 + …, and what makes it 1 at r = 0.
     rest = 0.125 * np.maximum(squared_cosine, -1) + 0.375 * np.maximum(squared_cosine, 0) ** 3
@@ -236,7 +269,13 @@ def _lobe_tables(illuminant: str, observer: Observer) -> dict[str, Table]:
 
 
 def uniform_nodes(weights: Table, tint: Array, count: int) -> list[Node]:
-    """Bands of equal width over the whole spectrum, each with all of its light at its middle."""
+    """Bands of equal width over the whole spectrum, each with all of its light at its middle.
+
+    Args:
+        weights: Cumulative XYZ of the bases of tints.
+        tint: Shares of the bases, shape (3,).
+        count: How many bands.
+    """
     (axis,) = weights.axes
     λ = axis.parameters()
     edges = np.linspace(axis.first, axis.last, count + 1)
@@ -249,7 +288,12 @@ def uniform_nodes(weights: Table, tint: Array, count: int) -> list[Node]:
 
 
 def weighted_nodes(weights: Table, tint: Array) -> list[Node]:
-    """Bands placed as web/spectrum/spectral-nodes.ts places them."""
+    """Bands placed as web/spectrum/spectral-nodes.ts places them.
+
+    Args:
+        weights: Cumulative XYZ of the bases of tints.
+        tint: Shares of the bases, shape (3,).
+    """
     (edges,) = weights.axes
     λ = edges.parameters()
     energy = weights.values.sum(axis=1)

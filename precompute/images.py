@@ -43,7 +43,7 @@ def decode_png(file: Path, data: bytes, shape: tuple[int, ...]) -> NDArray[np.ui
     Args:
         file: The file's name, for errors.
         data: Its contents.
-        shape: What it must have: (height, width, 4).
+        shape: Rows, columns and channels that it must have: (height, width, 4).
 
     Returns:
         That shape.
@@ -99,7 +99,12 @@ def read_exr(file: Path) -> NDArray[np.float32]:
 
 
 def write_exr(file: Path, pixels: NDArray[Any]) -> None:
-    """Write an EXR: half for float16 arrays, else float. Shape (height, width, 1, 3 or 4)."""
+    """Write an EXR: half for float16 arrays, else float. Shape (height, width, 1, 3 or 4).
+
+    Args:
+        file: Where.
+        pixels: Numbers of any unit.
+    """
     stored = pixels if pixels.dtype == np.float16 else pixels.astype(np.float32)
     names = EXR_CHANNELS[pixels.shape[-1]]
     channels = {name: np.ascontiguousarray(stored[..., i]) for i, name in enumerate(names)}

@@ -164,13 +164,23 @@ def metals_map(recipe: MetalsRecipe) -> Map:
 
 
 def lobe_position(wavenumber: Array, width: Array) -> Array:
-    """x of T's axis for a lobe at s* of width q; outside [0, 1] the lobe is invisible."""
+    """x of T's axis for a lobe at s* of width q; outside [0, 1] the lobe is invisible.
+
+    Args:
+        wavenumber: s*, 1/µm, any shape.
+        width: q, its standard deviation, 1/µm, that shape.
+    """
     low = WAVENUMBER_MIN - MARGIN * width
     return (wavenumber - low) / (WAVENUMBER_MAX - WAVENUMBER_MIN + 2 * MARGIN * width)
 
 
 def lobe_wavenumber(position: Array, width: Array) -> Array:
     """The inverse of `lobe_position`.
+
+    Args:
+        position: x, no unit, any shape.
+        width: q, 1/µm, that shape.
+
 
     >>> s, q = np.array([1.8]), np.array([0.05])
     >>> lobe_wavenumber(lobe_position(s, q), q).round(12).tolist()

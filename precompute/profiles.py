@@ -32,9 +32,20 @@ class Sinusoidal(_Profile):
     kind: Literal["sinusoidal"] = "sinusoidal"
 
     def height(self, position: ArrayLike) -> Array:
+        """p at positions over the period, from 0 to 1.
+
+        Args:
+            position: ξ, no unit, any shape.
+        """
         return (1 + np.cos(2 * np.pi * np.asarray(position))) / 2
 
     def amplitude(self, order: int, phase: ArrayLike) -> ComplexArray:
+        """The amplitude c_m(φ) of an order.
+
+        Args:
+            order: m, an order.
+            phase: φ, rad, any shape.
+        """
         φ = np.asarray(phase, dtype=np.float64)
         return np.exp(0.5j * φ) * 1j**order * jv(order, φ / 2)
 
@@ -46,9 +57,20 @@ class Rectangular(_Profile):
     duty: Annotated[float, Field(gt=0, lt=1)] = 0.5
 
     def height(self, position: ArrayLike) -> Array:
+        """p at positions over the period, from 0 to 1.
+
+        Args:
+            position: ξ, no unit, any shape.
+        """
         return np.where(np.mod(position, 1) < self.duty, 1.0, 0.0)
 
     def amplitude(self, order: int, phase: ArrayLike) -> ComplexArray:
+        """The amplitude c_m(φ) of an order.
+
+        Args:
+            order: m, an order.
+            phase: φ, rad, any shape.
+        """
         step: ComplexArray = np.exp(1j * np.asarray(phase, dtype=np.float64)) - 1
         if order == 0:
             return 1 + self.duty * step
@@ -115,7 +137,13 @@ Profile: TypeAlias = Annotated[
 class HeightProfile(Protocol):
     """What a table needs of a profile: its height, no closed form."""
 
-    def height(self, position: ArrayLike) -> Array: ...
+    def height(self, position: ArrayLike) -> Array:
+        """p at positions over the period, from 0 to 1.
+
+        Args:
+            position: ξ, no unit, any shape.
+        """
+        ...
 
 
 def efficiency(profile: Profile, order: int, phase: ArrayLike) -> Array:
@@ -123,7 +151,7 @@ def efficiency(profile: Profile, order: int, phase: ArrayLike) -> Array:
 
     Args:
         profile: The profile.
-        order: m; its lobe lies at u = mλ/a.
+        order: The order m; its lobe lies at u = mλ/a.
         phase: φ = 2π w h0/λ, rad, any shape.
 
     Returns:
@@ -144,7 +172,7 @@ def efficiency_table(
     Args:
         profile: The profile; only its `height` is used.
         phase: φ, rad, shape (n,).
-        max_order: The largest |m| kept.
+        max_order: The largest order |m| kept.
         samples: Samples along a period, at the middles of their cells.
 
     Returns:

@@ -170,7 +170,7 @@ def energy_factor(
         wi: ω_i, shape (..., 3), above the horizon.
         wo: ω_o, likewise.
         wavelength: λ, µm, broadcast against the leading shape.
-        total: N, of plane waves or of lobes (`efficiency_above_horizon`).
+        total: N, a share, of plane waves or of lobes (`efficiency_above_horizon`).
 
     Returns:
         The broadcast leading shape.
@@ -187,7 +187,12 @@ def energy_factor(
 
 
 def reflectance(grating: Grating, wavelength: ArrayLike) -> Array:
-    """R(λ) of the grating's metal, 1 for a perfect mirror."""
+    """R(λ) of the grating's metal, 1 for a perfect mirror.
+
+    Args:
+        grating: The grating.
+        wavelength: λ, µm, any shape.
+    """
     if grating.metal is None:
         return np.ones_like(np.asarray(wavelength, dtype=np.float64))
     return metal_reflectance(grating.metal, wavelength)
@@ -201,7 +206,7 @@ def order_efficiency(
     Args:
         grating: The grating.
         wi: ω_i, shape (3,).
-        order: m, propagating.
+        order: The order m, propagating.
         wavelength: λ, µm.
 
     Returns:

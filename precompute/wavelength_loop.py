@@ -39,7 +39,12 @@ class WavelengthLoop(ClosedForm):
             self.max_order = min(self.max_order, 2)
 
     def colour_brdf(self, wi: Array, wo: Array) -> Array:
-        """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3)."""
+        """∫ S (x̄, ȳ, z̄) f_r dλ, XYZ in 1/sr, shape (n, 3), for directions of shape (n, 3).
+
+        Args:
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+        """
         result = np.zeros((len(wi), 3))
         rows = np.flatnonzero((wi[:, 2] > 0) & (wo[:, 2] > 0))
         wi, wo = wi[rows], wo[rows]
@@ -48,7 +53,13 @@ class WavelengthLoop(ClosedForm):
         return result
 
     def efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:
-        """η_m, by the table or by docs/theory.md, section 3: β = φ/2."""
+        """η_m, by the table or by docs/theory.md, section 3: β = φ/2.
+
+        Args:
+            m: The order.
+            w: w = cosθ_i + cosθ_o, no unit, shape (n,).
+            wavenumber: 1/λ, 1/µm, shape (n,).
+        """
         if not self.is_taylor:
             return super().efficiency(m, w, wavenumber)
         β2 = (np.pi * w * self.grating.height * wavenumber) ** 2

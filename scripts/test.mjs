@@ -61,6 +61,7 @@ const checks = [
     command: python('pytest', '--numprocesses=logical', '--dist=loadfile'),
   },
   { name: 'web tests', needs: everything, command: vitest('web') },
+  { name: 'docs tests', needs: everything, command: vitest('docs') },
   { name: 'package tests', needs: everything, command: vitest('package') },
   { name: 'browser tests', needs: everything, command: vitest('browser') },
 ]

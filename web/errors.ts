@@ -12,12 +12,18 @@ export interface DiffractionErrorDetails {
 
 /** The one error that bad input raises, whether it is a map, an option or a light. */
 export class DiffractionError extends Error {
+  /** Tells it from other errors where `instanceof` cannot, as between two copies of the package. */
   override readonly name = 'DiffractionError'
+  /** The file the value came from, or the name of the class or option it was given to. */
   readonly file: string
+  /** The field's path inside it. */
   readonly field: string
+  /** The value that was refused. */
   readonly value: unknown
+  /** What would have been accepted. */
   readonly expected: string
 
+  /** @param options - `cause`, where another error led to this one. */
   constructor({ file, field, value, expected }: DiffractionErrorDetails, options?: ErrorOptions) {
     super(`${file}: ${field} is ${describe(value)}, expected ${expected}`, options)
     this.file = file

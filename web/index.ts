@@ -1,3 +1,8 @@
+/**
+ * Surfaces that diffract, the material and the layer that show them, and their maps.
+ *
+ * @module three-diffraction
+ */
 export { DiffractionError, type DiffractionErrorDetails } from './errors.ts'
 export {
   diffractionLayer,

@@ -96,6 +96,9 @@ class Agreement:
 
         What changes slowly with displacement is no repetition, but directions that are commoner
         than others, or commoner in one part of the sample.
+
+        Args:
+            piece: Size of a piece, pixels of the grid.
         """
         far = self._distance() >= piece
         seen, expected = self.seen * far, np.maximum(self.expected * far, 0)

@@ -63,7 +63,7 @@ def aligned(
         calibration: The photographs, and what gratings show in them.
         tiling: Where the tiles were thought to be.
         size: Columns and rows of texels to compare.
-        reference: Row and column of the tile that stays where it is.
+        reference: Indices, row and column, of the tile that stays where it is.
 
     Returns:
         The tiling, each tile with its shift.

@@ -52,7 +52,7 @@ def completed(fit: Fit, size: tuple[int, int], lit_gain: float) -> Completed:
     Args:
         fit: Of all texels, row by row.
         size: Columns and rows.
-        lit_gain: Gain from which a texel counts as lit.
+        lit_gain: Gain, no unit, from which a texel counts as lit.
     """
     columns, rows = size
     parts = {name: values.reshape(rows, columns) for name, values in vars(fit).items()}

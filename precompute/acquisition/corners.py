@@ -73,7 +73,11 @@ class Side:
         return np.array([self.along[1], -self.along[0]])
 
     def points(self, t: Array) -> Array:
-        """Points of the edge at positions along it from −1 to 1, shape (n, 2), px."""
+        """Points of the edge at positions along it from −1 to 1, shape (n, 2), px.
+
+        Args:
+            t: No unit, shape (n,).
+        """
         s = (t + 1) / 2 * self.length
         bend = np.polynomial.polynomial.polyval(t, self.bend)
         return self.start + s[:, None] * self.along + bend[:, None] * self.outwards

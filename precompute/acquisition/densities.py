@@ -46,7 +46,14 @@ class MeanLight:
 
     @staticmethod
     def of(u: Array, v: Array, intensity: Array, angles: int) -> MeanLight:
-        """Sort observations, arrays of shape (n,), by direction."""
+        """Sort observations, arrays of shape (n,), by direction.
+
+        Args:
+            u: (ω_i + ω_o)_x, shape (n,).
+            v: (ω_i + ω_o)_y, shape (n,).
+            intensity: Radiance over irradiance, shape (n,).
+            angles: How many cells there are over ψ.
+        """
         turn = np.mod(np.arctan2(v, u), np.pi) * (angles / np.pi)
         row = np.minimum(turn.astype(np.intp), angles - 1)
         column = np.round(np.hypot(u, v) / RADIUS_STEP).astype(np.intp)
@@ -91,18 +98,26 @@ class Lobes:
         self._spread = np.fft.rfft(np.sqrt(2 * np.pi) * σ * step * kernel, axis=0)
 
     def shown(self, shares: Array) -> Array:
-        """I, shape (angles, radii), of q, shape (angles, frequencies)."""
+        """I, shape (angles, radii), of q, shape (angles, frequencies).
+
+        Args:
+            shares: q, shape (angles, frequencies).
+        """
         return self._turned(shares @ (self._first + self._higher))
 
     def gathered(self, light: Array) -> Array:
-        """The transpose: what of I each grating sends, shape (angles, frequencies)."""
+        """The transpose: what of I each grating sends, shape (angles, frequencies).
+
+        Args:
+            light: I, radiance over irradiance, shape (angles, radii).
+        """
         return self._turned(light) @ (self._first + self._higher).T
 
     def by_order(self, shares: Array, count: Array) -> tuple[Array, Array]:
         """Of what is seen in a grating's first order, the light of first orders and the rest.
 
         Args:
-            shares: q.
+            shares: q, shape (angles, frequencies).
             count: Of points that look in each direction, shape (angles, radii).
 
         Returns:
@@ -163,8 +178,8 @@ def deconvolved(
         lights: What each shows beyond b.
         noise: Of each photograph's points: light that is dimmer counts little.
         usable: Gratings that may occur, shape (angles, frequencies).
-        steps: Of iteration.
-        blur: Standard deviation of the blur in cells over θ, half as much over 1/a.
+        steps: Number of iterations.
+        blur: Standard deviation of the blur, a number of cells over θ, half as much over 1/a.
 
     Returns:
         q up to the factor between I and shares of area, of that shape.
@@ -193,8 +208,8 @@ def log_likelihood(
     Args:
         lobes: Of each photograph.
         lights: What each shows beyond b, at those points.
-        noise: As `deconvolved` takes it.
-        shares: q.
+        noise: Of each photograph's points, in radiance over irradiance.
+        shares: q, shape (angles, frequencies).
 
     Returns:
         Up to a constant, in units of intensity.

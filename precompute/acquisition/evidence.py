@@ -88,6 +88,11 @@ def outline(rectification: Rectification, size_mm: tuple[float, float]) -> Mark:
 
 
 def shown(linear: Array, white: float) -> Array:
-    """What a display shows: white at a given value, a power of 1/2.2, grey as three channels."""
+    """What a display shows: white at a given value, a power of 1/2.2, grey as three channels.
+
+    Args:
+        linear: Linear light, shape (height, width, 1 or 3).
+        white: The number that is shown white.
+    """
     tone = np.clip(linear / max(white, 1e-30), 0, 1) ** (1 / 2.2)
     return np.broadcast_to(tone, (*tone.shape[:2], 3)) if tone.shape[2] == 1 else tone

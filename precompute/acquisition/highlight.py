@@ -73,7 +73,12 @@ class Spot:
 
 
 def mirror_point(eye: Array, light: Array) -> Array:
-    """Where the plane z = 0 shows a lamp's mirror image, mm, shape (2,)."""
+    """Where the plane z = 0 shows a lamp's mirror image, mm, shape (2,).
+
+    Args:
+        eye: The camera's centre of projection, mm, shape (3,).
+        light: The lamp, mm, shape (3,).
+    """
     return (eye[:2] * light[2] + light[:2] * eye[2]) / (eye[2] + light[2])
 
 

@@ -100,7 +100,8 @@ def reflected(
 
     Args:
         orientation: θ of the gratings, rad.
-        ratio: R of the gratings, −1 where there is none; broadcasts with `orientation`.
+        ratio: R of the gratings, a ratio of amplitudes, −1 where there is none; broadcasts with
+            `orientation`.
         plastic: Over them.
         obliquity: Oblique incidence; none without it.
 
@@ -139,7 +140,7 @@ def global_offset(ratio: complex, plastic: Plastic = Plastic()) -> float:
     foil returns as a mirror does: exact without retardation, and wrong by its square with it.
 
     Args:
-        ratio: R.
+        ratio: R, a ratio of amplitudes.
         plastic: Over the gratings.
 
     Returns:

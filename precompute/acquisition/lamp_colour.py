@@ -55,7 +55,7 @@ class LampColour:
 
         Args:
             weights: Its spectrum times the channels' sensitivity, shape (401, channels).
-            deviation: Standard deviation of a lobe in (u, v).
+            deviation: Standard deviation of a lobe in (u, v), no unit.
         """
         white = weights.sum(axis=0)
         zeroth = jv(0, np.pi * MEAN_W * HEIGHTS[:, None] / WAVELENGTHS) ** 2

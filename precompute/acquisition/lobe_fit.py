@@ -160,7 +160,7 @@ def fit_texels(
         shots: The photographs.
         tiling: Where the tiles are.
         places: Of the texels in a tile, shape (n, 2).
-        highlight: ρ below which nothing is observed.
+        highlight: ρ, no unit, below which nothing is observed.
         model: What gratings show.
         name: What the progress bar says.
     """

@@ -76,7 +76,7 @@ class LobeTable:
 
         Args:
             weights: Light times sensitivity on `WAVELENGTHS`, shape (401, channels).
-            deviation: c.
+            deviation: c, no unit.
             frequencies: 1/a, 1/µm.
             height: h0 of the sinusoids, µm.
         """
@@ -101,7 +101,11 @@ class LobeTable:
         return LobeTable(frequencies, values.astype(np.float32), deviation)
 
     def scaled(self, factor: float) -> LobeTable:
-        """The same, so many times as bright."""
+        """The same, so many times as bright.
+
+        Args:
+            factor: How many times.
+        """
         return LobeTable(self.frequencies, self.values * np.float32(factor), self.deviation)
 
 
@@ -109,7 +113,7 @@ def at_radius(profile: Array32, radius: Array32) -> Array32:
     """A profile of shape (radii, channels) at ρ, linear between its numbers.
 
     Args:
-        profile: At multiples of `RADIUS_STEP`.
+        profile: At multiples of `RADIUS_STEP`, shape (radii, channels).
         radius: ρ, any shape.
 
     Returns:

@@ -21,7 +21,7 @@ def map_figure(
         extent: Left, right, bottom and top, mm.
         label: Of the scale.
         colours: Name of matplotlib's colour map.
-        limits: Of the scale; those of the values if None.
+        limits: Of the scale, numbers as the values are; those of the values if None.
     """
     figure = Figure((7, 6), layout="constrained")
     axes = figure.subplots()

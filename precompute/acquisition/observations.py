@@ -68,7 +68,11 @@ class Strip:
     shot: NDArray[np.intp]
 
     def of_shot(self, number: int) -> Strip:
-        """What one photograph alone shows, as its only one."""
+        """What one photograph alone shows, as its only one.
+
+        Args:
+            number: Its index.
+        """
         here = self.shot == number
         return Strip(
             self.intensity[:, here],
@@ -83,7 +87,7 @@ def half_vectors(points: Array, eye: Array, light: Array) -> tuple[Array, Array]
     """ω_i + ω_o, shape (n, 3), and cosθ_i d0²/d² at points of the plane z = 0, shape (n, 2), mm.
 
     Args:
-        points: x, y.
+        points: x, y, mm.
         eye: The camera's centre of projection, shape (3,).
         light: The lamp; d0 is its distance from the origin, shape (3,).
     """
@@ -110,7 +114,7 @@ def observed(
         tiling: Where the tiles lie.
         place: Points right of and below a tile's top left corner, in tiles, shape (n, 2).
         highlight: ρ below which the lamp's reflection outshines all.
-        tiles: Row and column of those to look in; all if left out.
+        tiles: Indices, row and column, of those to look in; all if left out.
     """
     tiles = tiling.tiles() if tiles is None else tiles
     n, channels = len(place), shots[0].values.shape[2]
@@ -158,7 +162,11 @@ def looked_up(shot: Shot, points: Array) -> tuple[Array32, NDArray[np.bool_]]:
 
 
 def texel_places(size: tuple[int, int]) -> Array:
-    """Middles of a map's texels in tiles, row by row from the top, shape (rows · columns, 2)."""
+    """Middles of a map's texels in tiles, row by row from the top, shape (rows · columns, 2).
+
+    Args:
+        size: Columns and rows.
+    """
     columns, rows = size
     x, y = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     return np.stack([x.ravel(), y.ravel()], axis=1)
@@ -169,7 +177,7 @@ def strips(texels: int, observations: int) -> Iterator[slice]:
 
     Args:
         texels: How many there are.
-        observations: Of each.
+        observations: How many there are of each.
     """
     length = max(1, ENTRIES // observations)
     for start in range(0, texels, length):

@@ -41,7 +41,12 @@ class MeanProfile:
 
     @staticmethod
     def of(strips: Iterable[Strip], photographs: int) -> MeanProfile:
-        """Average strips of all tiles."""
+        """Average strips of all tiles.
+
+        Args:
+            strips: Observations.
+            photographs: How many there are.
+        """
         radii = round(RADIUS_MAX / RADIUS_STEP)
         count = np.zeros(photographs * radii)
         total: list[Array] = []
@@ -81,7 +86,14 @@ def frequency_shares(profile: MeanProfile, tables: list[LobeTable], weights: Arr
 def brightness(
     profile: MeanProfile, tables: list[LobeTable], weights: Array32, shares: Array
 ) -> Array:
-    """How many times as bright as `shares` say each photograph is, shape (photographs,)."""
+    """How many times as bright as `shares` say each photograph is, shape (photographs,).
+
+    Args:
+        profile: What was seen.
+        tables: What gratings of each photograph show.
+        weights: Of the channels, no unit, shape (photographs, channels).
+        shares: Of each frequency, shape (frequencies,).
+    """
     factors = []
     for number in range(len(tables)):
         part = MeanProfile(profile.mean[number, None], profile.count[number, None])

@@ -315,7 +315,8 @@ def write_photograph(
         file: TIFF, PNG or EXR, by its extension.
         values: Light of full scale, shape (height, width, 1 or 3). It is rounded, and cut off at
             white and at 0; in an EXR neither.
-        bits: TIFF and PNG: 8, 12 (in 16) or 16. An EXR holds floats whatever it is.
+        bits: Number of bits in TIFF and PNG: 8, 12 (in 16) or 16. An EXR holds floats whatever it
+            is.
         camera: Its response and its numbers for black and white; without one white is 2^bits − 1.
         exposure_s: Noted in the file where the format has a place for it.
 

@@ -80,7 +80,12 @@ def _figures(acquired: Acquired) -> Iterator[tuple[str, Figure]]:
 
 
 def sample_grid(tiling: Tiling, width: int) -> tuple[Array, tuple[int, int]]:
-    """Points over the sample, mm, row by row from its top left, and their rows and columns."""
+    """Points over the sample, mm, row by row from its top left, and their rows and columns.
+
+    Args:
+        tiling: Where the sample's tiles lie.
+        width: Number of columns, pixels.
+    """
     size = tiling.sample
     height = max(1, round(width * size[1] / size[0]))
     x = ((np.arange(width) + 0.5) / width - 0.5) * size[0]

@@ -50,9 +50,9 @@ def pixel_points(
     Args:
         pixels: x, y in px, shape (n, 2).
         on_sheet: Where on the sheet's plane positions in px are.
-        texels: The texel at positions on the plane, −1 beside the sheet.
+        texels: The index of the texel at positions on the plane, −1 beside the sheet.
         gratings: Of the texels.
-        subpixels: Along each side of a pixel.
+        subpixels: How many along each side of a pixel.
     """
     steps = (np.arange(subpixels) + 0.5) / subpixels - 0.5
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)

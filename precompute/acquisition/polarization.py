@@ -175,7 +175,7 @@ def relative_periods(found: Diffracting, periods: tuple[float, float]) -> Array:
 
     Args:
         found: What photographs show.
-        periods: Of the gratings that one in a hundred is darker, or brighter, than.
+        periods: Of the gratings that one in a hundred is darker, or brighter, than, µm.
 
     Returns:
         µm, shape (rows, columns); the middle one where nothing diffracts.

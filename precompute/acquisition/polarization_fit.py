@@ -103,6 +103,10 @@ class HarmonicFit:
 def repeated_angles(polariser: Array) -> list[list[int]]:
     """Which of angles, rad, are one modulo π, none being `APART` from the next: two or more each.
 
+    Args:
+        polariser: Angles, rad, shape (n,).
+
+
     >>> repeated_angles(np.radians([0, 45, 90, 135, 180]))
     [[0, 4]]
     """
@@ -118,6 +122,10 @@ def repeated_angles(polariser: Array) -> list[list[int]]:
 
 def distinct_angles(polariser: Array) -> int:
     """How many of angles, rad, differ modulo π by `APART` or more.
+
+    Args:
+        polariser: Angles, rad, shape (n,).
+
 
     >>> distinct_angles(np.radians([0, 45, 90, 135, 180]))
     4

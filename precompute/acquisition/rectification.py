@@ -74,7 +74,11 @@ class Rectification:
         return Rectification(view.matrix @ pose, view.matrix, view.distortion, view.position, True)
 
     def pixels(self, xy: Array) -> Array:
-        """Where points of the sample, mm, shape (n, 2), are seen: px, shape (n, 2)."""
+        """Where points of the sample, mm, shape (n, 2), are seen: px, shape (n, 2).
+
+        Args:
+            xy: Points, mm, shape (n, 2).
+        """
         straight = cv2.perspectiveTransform(np.ascontiguousarray(xy)[:, None], self.homography)
         if not self.distortion.any():
             return np.asarray(straight[:, 0], np.float64)

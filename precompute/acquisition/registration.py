@@ -61,7 +61,7 @@ class Move:
 
         Args:
             pixels: Shape (n, 2).
-            size: Width and height of both.
+            size: Width and height of both, pixels.
         """
         middle = (np.array(size) - 1) / 2
         x, y = (pixels - middle).T

@@ -81,7 +81,13 @@ def channel_weights(
 
 
 def noisy(values: Array, sensor: SensorNoise, rng: np.random.Generator) -> Array:
-    """Light of full scale with the sensor's noise added, of any shape."""
+    """Light of full scale with the sensor's noise added, of any shape.
+
+    Args:
+        values: Light, shares of full scale.
+        sensor: How noisy.
+        rng: Draws the noise.
+    """
     if sensor.full_well is not None:
         variance = np.maximum(values, 0) / sensor.full_well
         variance += (sensor.read_noise / sensor.full_well) ** 2
@@ -92,7 +98,13 @@ def noisy(values: Array, sensor: SensorNoise, rng: np.random.Generator) -> Array
 
 
 def write_response(file: Path, camera: Camera, response: Array) -> None:
-    """Write the sensitivity of a camera's channels, shape (401, channels), for a capture."""
+    """Write the sensitivity of a camera's channels, shape (401, channels), for a capture.
+
+    Args:
+        file: A CSV.
+        camera: Which channels there are.
+        response: Relative sensitivities at `WAVELENGTHS`.
+    """
     lines = [",".join(["wavelength_um", *CHANNELS[camera.channels]])]
     for λ, values in zip(WAVELENGTHS, response, strict=True):
         lines.append(",".join([f"{λ:.3f}", *(f"{value:.6g}" for value in values)]))

@@ -61,15 +61,27 @@ class Sheet:
     slopes: SmoothField
 
     def inside(self, xy: Array) -> NDArray[np.bool_]:
-        """Which points, shape (n, 2), mm, are on the sheet."""
+        """Which points, shape (n, 2), mm, are on the sheet.
+
+        Args:
+            xy: Points of the plane, mm, shape (n, 2).
+        """
         return np.all(np.abs(xy) <= self.size / 2, axis=1)
 
     def texels_or_none(self, xy: Array) -> NDArray[np.intp]:
-        """`texels`, −1 beside the sheet."""
+        """`texels`, −1 beside the sheet.
+
+        Args:
+            xy: Points of the plane, mm, shape (n, 2).
+        """
         return np.where(self.inside(xy), self.texels(xy), -1)
 
     def texels(self, xy: Array) -> NDArray[np.intp]:
-        """The texel that shows at points of the sheet, shape (n, 2), mm: flat indices."""
+        """The texel that shows at points of the sheet, shape (n, 2), mm: flat indices.
+
+        Args:
+            xy: Points of the plane, mm, shape (n, 2).
+        """
         place = (xy - self.warp.at(xy) + [self.size[0] / 2, -self.size[1] / 2]) / self.tile
         column = np.clip(np.floor(place[:, 0]), 0, self.shifts.shape[1] - 1).astype(int)
         row = np.clip(np.floor(-place[:, 1]), 0, self.shifts.shape[0] - 1).astype(int)
@@ -99,7 +111,11 @@ class SmoothField:
         self.values *= deviation / self.values.std()
 
     def at(self, xy: Array) -> Array:
-        """The two numbers at points, shape (n, 2), mm; beyond the sheet those of its edge."""
+        """The two numbers at points, shape (n, 2), mm; beyond the sheet those of its edge.
+
+        Args:
+            xy: Points of the plane, mm, shape (n, 2).
+        """
         columns, rows = ((xy - self.corner) / self.pitch).T
         return np.stack(
             [map_coordinates(v, [rows, columns], order=1, mode="nearest") for v in self.values],

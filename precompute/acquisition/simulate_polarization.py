@@ -221,7 +221,11 @@ class Scene:
         self.brightness = (period**2).ravel()
 
     def texels(self, xy: Array) -> NDArray[np.intp]:
-        """The texel at points of the plane, shape (n, 2), mm: flat indices, −1 beside the sheet."""
+        """The texel at points of the plane, shape (n, 2), mm: flat indices, −1 beside the sheet.
+
+        Args:
+            xy: Points of the plane, mm, shape (n, 2).
+        """
         place = (xy + self.size * [0.5, -0.5]) / self.tile
         texels = texel_indices(self.gratings.orientation.shape, place)
         return np.where(np.all(np.abs(xy) <= self.size / 2, axis=1), texels, -1)

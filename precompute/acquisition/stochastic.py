@@ -102,7 +102,7 @@ def estimate_distribution(
         size_mm: Of the sample.
         height: h0 of the gratings, µm, which says how bright the second order is.
         method: ``threshold`` is the paper's: the set of lit points.
-        steps: Of iteration.
+        steps: Number of iterations.
 
     Raises:
         InputError: Photographs are of many wavelengths; no point of the sample is in them but the

@@ -32,7 +32,7 @@ class Tiling:
 
         Args:
             sample: Its width and height, mm.
-            size: Those of a tile.
+            size: Those of a tile, mm.
             corner: Top left corner of any tile, mm.
         """
         half = sample / 2
@@ -50,8 +50,8 @@ class Tiling:
         """Where points of the pattern lie in one tile.
 
         Args:
-            row: Of the tile, from the top.
-            column: From the left.
+            row: Index of the tile from the top.
+            column: Index from the left.
             place: Right of and below the tile's top left corner, in tiles, shape (n, 2).
 
         Returns:

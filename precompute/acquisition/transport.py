@@ -27,7 +27,7 @@ def earth_movers_distance(first: Array, second: Array, distance: Array) -> float
 
     Args:
         first: Shares that sum to 1, shape (n,).
-        second: Likewise.
+        second: Shares likewise.
         distance: Of each place from each, a metric, shape (n, n).
 
     Returns:
@@ -92,7 +92,7 @@ def picture_distance(first: Array, second: Array, pitch: float) -> float:
     Args:
         first: Light, not below 0 and not all 0, shape (rows, columns); only its shares count.
         second: Of the same shape.
-        pitch: From pixel to pixel, in whatever unit.
+        pitch: From pixel to pixel, mm or whatever unit.
 
     Returns:
         In that unit.

@@ -55,7 +55,7 @@ class Bumps:
         Args:
             row: Texels from the first, a real number each; shape (rows, columns) or broadcast to
                 it.
-            column: Likewise.
+            column: Texels from the first, likewise.
         """
         places = np.broadcast_arrays(row, column)
         channels = [
@@ -110,7 +110,7 @@ def random_bumps(
         deviation: Standard deviation s of the slope along u, and along v.
         length_mm: Correlation length L, at which ρ is 1/e, mm: two texels to a quarter of the
             tile.
-        seed: Of the phases.
+        seed: The phases', a whole number.
 
     Raises:
         InputError: The length is not in its range.

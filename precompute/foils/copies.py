@@ -32,7 +32,12 @@ class Frame:
     scale: float = 1.0
 
     def point(self, x: float, y: float) -> tuple[float, float]:
-        """A point of this frame as the outer one has it, mm."""
+        """A point of this frame as the outer one has it, mm.
+
+        Args:
+            x: To the right, mm.
+            y: Upwards, mm.
+        """
         cosine, sine = math.cos(self.turn), math.sin(self.turn)
         return (
             self.x + self.scale * (cosine * x - sine * y),
@@ -40,7 +45,12 @@ class Frame:
         )
 
     def within(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Points of the outer frame as this one has them, mm: the inverse of `point`."""
+        """Points of the outer frame as this one has them, mm: the inverse of `point`.
+
+        Args:
+            x: To the right, mm, any shape.
+            y: Upwards, mm, that shape.
+        """
         cosine, sine = math.cos(self.turn), math.sin(self.turn)
         across, up = (x - self.x) / self.scale, (y - self.y) / self.scale
         return cosine * across + sine * up, cosine * up - sine * across

@@ -71,12 +71,22 @@ class Texels:
         return self.moved(np.ix_(rows, columns), size)
 
     def with_bumps_at(self, source: Texels, row: Array, column: Array) -> Texels:
-        """With the bumps that the source has at places between its texels."""
+        """With the bumps that the source has at places between its texels.
+
+        Args:
+            source: Whose bumps.
+            row: Texels from the top, real numbers.
+            column: Texels from the left, likewise.
+        """
         bumps = None if source.bumps is None else source.bumps.at(row, column)
         return replace(self, bumps=bumps)
 
     def with_grating(self, **channels: Array) -> Texels:
-        """With other channels: ``doubled``, cos 2θ + i sin 2θ, ``frequency`` or ``strength``."""
+        """With other numbers in some of the channels.
+
+        Args:
+            channels: ``doubled``, cos 2θ + i sin 2θ; ``frequency``, 1/µm; ``strength``, a share.
+        """
         grating = self.grating.copy()
         for name, values in channels.items():
             match name:
@@ -229,7 +239,12 @@ def read_mask(file: Path) -> tuple[Array, str]:
 
 
 def masked(texels: Texels, share: Array) -> Texels:
-    """Strength times a picture that is stretched over the map, its nearest texel."""
+    """Strength times a picture that is stretched over the map, its nearest texel.
+
+    Args:
+        texels: The foil.
+        share: What is left of the strength, 0 to 1, shape (rows, columns) of the picture.
+    """
     rows, columns = (
         _nearest(size, of) for size, of in zip(texels.grating.shape, share.shape, strict=False)
     )

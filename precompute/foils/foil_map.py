@@ -65,7 +65,7 @@ def map_of_texels(
 
     Args:
         values: `CHANNELS` of each texel, shape (rows, columns, 4).
-        height: As for `foil_map`, as what follows.
+        height: Of the relief, µm.
         tile_mm: Width and height of the map, mm.
         recipe: What the map was made from.
 
@@ -105,7 +105,12 @@ def map_of_texels(
 
 
 def foil_axes(rows: int, columns: int) -> tuple[Axis, Axis]:
-    """The axes of an array of a foil, row 0 being the top."""
+    """The axes of an array of a foil, row 0 being the top.
+
+    Args:
+        rows: Number of texels from top to bottom.
+        columns: Number of texels from left to right.
+    """
     return (
         Axis(name="row", symbol="1-v", unit="1", size=rows, first=0, last=1),
         Axis(name="column", symbol="u", unit="1", size=columns, first=0, last=1),

@@ -54,6 +54,10 @@ def from_nearest(points: Array, size: int) -> tuple[NDArray[np.intp], Array, Arr
 
 
 def room(points: Array) -> Array:
-    """Radius of the largest disc about each point that lies in its cell. Shape (count,)."""
+    """Radius of the largest disc about each point that lies in its cell. Shape (count,).
+
+    Args:
+        points: In the unit square, whose opposite sides meet; shape (count, 2).
+    """
     distances, _ = KDTree(points, boxsize=1).query(points, k=2)
     return distances[:, 1] / 2

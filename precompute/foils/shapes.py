@@ -19,12 +19,22 @@ TEXELS_AT_ONCE = 1 << 21
 
 
 def disc(x: Array, y: Array) -> NDArray[np.bool_]:
-    """A disc of diameter 1."""
+    """A disc of diameter 1.
+
+    Args:
+        x: Shares of the box' side from its middle, −½ to ½.
+        y: Likewise shares, that shape.
+    """
     return x**2 + y**2 <= 0.25
 
 
 def square(x: Array, y: Array) -> NDArray[np.bool_]:
-    """All of the box."""
+    """All of the box.
+
+    Args:
+        x: Shares of the box' side from its middle, −½ to ½.
+        y: Likewise shares, that shape.
+    """
     return np.ones(np.broadcast_shapes(x.shape, y.shape), bool)
 
 

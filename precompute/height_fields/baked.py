@@ -581,7 +581,12 @@ def _seen_directions() -> tuple[Array, Array]:
 
 
 def cosine_directions(count: int, seed: int) -> Array:
-    """Random unit vectors, (count, 3), as dense as their cosine: uniform over the disc below."""
+    """Random unit vectors, (count, 3), as dense as their cosine: uniform over the disc below.
+
+    Args:
+        count: How many.
+        seed: Of the random numbers, a whole number.
+    """
     radius, turn = np.random.default_rng(seed).random((2, count))
     x, y = np.sqrt(radius) * np.stack([np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)])
     return np.stack([x, y, np.sqrt(1 - radius)], axis=-1)

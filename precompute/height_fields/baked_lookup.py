@@ -55,6 +55,12 @@ class BakedLookup:
         The light's spectrum is baked in, so that a tint multiplies the colour in linear sRGB: exact
         for greys.
 
+        Args:
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+            light: Whose spectrum and size were baked in.
+
+
         Raises:
             InputError: The map was baked for another light or observer.
         """
@@ -91,7 +97,12 @@ class BakedLookup:
         return np.where(inside[:, None], result, 0)
 
     def order_0(self, wi: Array, wo: Array) -> Array:
-        """The coherent mean, XYZ, shape (n, 3); zero beyond the table."""
+        """The coherent mean, XYZ, shape (n, 3); zero beyond the table.
+
+        Args:
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+        """
         x, y, _ = wi.T
         u, v, w = (wi + wo).T
         source = self.recipe.angular_radius**2

@@ -70,6 +70,11 @@ def basis(expansion: Expansion, field: HeightField, terms: int) -> Iterator[Arra
     """B_0, B_1, … over the patch, each of the shape of the heights and within [−1, 1].
 
     T_{n+1} = 2t T_n − T_{n−1} is stable on [−1, 1].
+
+    Args:
+        expansion: Which series.
+        field: The relief.
+        terms: How many B_n.
     """
     if expansion == "taylor":
         height = (field.heights - field.heights.min()) / np.ptp(field.heights)
@@ -90,7 +95,7 @@ def taylor_error_bound(x: float, last_term: int) -> float:
 
     Args:
         x: Largest phase, rad.
-        last_term: N.
+        last_term: Its number N.
 
     >>> f"{taylor_error_bound(1.5 * np.pi, 25):.3e}"
     '8.815e-08'
@@ -108,7 +113,7 @@ def terms_needed(expansion: Expansion, x: float, error: float) -> int:
     Args:
         expansion: Which series.
         x: Largest phase, rad.
-        error: Largest |error| of exp(ikwh), in (0, ½].
+        error: Largest |error| of exp(ikwh), no unit, in (0, ½].
 
     Returns:
         Number of terms, 1 or more.

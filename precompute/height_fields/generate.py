@@ -61,7 +61,12 @@ def generated(source: Generated, pitch: float | None = None) -> HeightField:
 
 
 def bumps(source: Bumps, pitch: float | None = None) -> HeightField:
-    """One smooth bump in the middle of the cell."""
+    """One smooth bump in the middle of the cell.
+
+    Args:
+        source: What to make.
+        pitch: Largest distance between samples, µm; by default fine enough for the steepest place.
+    """
 
     def heights(x: Array, y: Array) -> Array:
         along_x = _raised_cosine((x - source.cell[0] / 2) / source.size[0])
@@ -74,7 +79,12 @@ def bumps(source: Bumps, pitch: float | None = None) -> HeightField:
 
 
 def blazed(source: Blazed, pitch: float | None = None) -> HeightField:
-    """A sawtooth: p = ξ/(1 − e) up to 1 − e, then straight back to 0, e being edge/period."""
+    """A sawtooth: p = ξ/(1 − e) up to 1 − e, then straight back to 0, e being edge/period.
+
+    Args:
+        source: What to make.
+        pitch: Largest distance between samples, µm; by default fine enough for the steepest place.
+    """
     corner = source.period - source.edge
 
     def heights(x: Array, y: Array) -> Array:
@@ -86,7 +96,12 @@ def blazed(source: Blazed, pitch: float | None = None) -> HeightField:
 
 
 def cosine(source: Cosine, pitch: float | None = None) -> HeightField:
-    """h = height·(1 + cos 2πx/period)/2, the profile ``sinusoidal`` of gratings."""
+    """h = height·(1 + cos 2πx/period)/2, the profile ``sinusoidal`` of gratings.
+
+    Args:
+        source: What to make.
+        pitch: Largest distance between samples, µm; by default fine enough for the steepest place.
+    """
 
     def heights(x: Array, y: Array) -> Array:
         profile = (1 + np.cos(2 * np.pi * x / source.period)) / 2
@@ -97,7 +112,12 @@ def cosine(source: Cosine, pitch: float | None = None) -> HeightField:
 
 
 def pits(source: Pits, pitch: float | None = None) -> HeightField:
-    """Tracks of pits; the same pits at whatever pitch."""
+    """Tracks of pits; the same pits at whatever pitch.
+
+    Args:
+        source: What to make.
+        pitch: Largest distance between samples, µm; by default fine enough for the steepest place.
+    """
     rng = np.random.default_rng(source.seed)
     length = source.bits * source.channel_bit
     period = (source.tracks * source.track_pitch, length)
@@ -122,6 +142,10 @@ def fingers(source: Fingers, pitch: float | None = None) -> HeightField:
 
     About the line from tail to tip a ridge of height H is H·cos²(πd/2r), where d is the distance
     from that line and r the ridge's radius there.
+
+    Args:
+        source: What to make.
+        pitch: Largest distance between samples, µm; by default fine enough for the steepest place.
     """
     rng = np.random.default_rng(source.seed)
     period = (source.columns * source.length, source.rows * source.spacing)
@@ -166,6 +190,10 @@ def roughness(source: Roughness, pitch: float | None = None) -> HeightField:
 
     The Fourier coefficients are drawn in one order up to where they vanish, so that the surface is
     the same at whatever pitch resolves it.
+
+    Args:
+        source: What to make.
+        pitch: Largest distance between samples, µm; by default fine enough for the steepest place.
     """
     rng = np.random.default_rng(source.seed)
     # exp(−π²ℓ²f²/2), the amplitude, is 1e-8 at f = 6.07/(πℓ).

@@ -68,7 +68,11 @@ class Points:
 
 
 def groups(labels: NDArray[np.int_]) -> Iterator[Index]:
-    """Rows of each label."""
+    """Rows of each label.
+
+    Args:
+        labels: Whole numbers, shape (n,), one for each row.
+    """
     order = np.argsort(labels, kind="stable")
     ends = np.flatnonzero(np.diff(labels[order])) + 1
     yield from np.split(order, ends)
@@ -132,7 +136,13 @@ class Lines:
 
 
 def nodes_needed(field: HeightField, kw: Array, factors: int) -> int:
-    """Chebyshev nodes for products of so many amplitudes over the range of kw."""
+    """Chebyshev nodes for products of so many amplitudes over the range of kw.
+
+    Args:
+        field: The relief.
+        kw: k w, rad/µm, any shape; only its range counts.
+        factors: How many amplitudes are multiplied.
+    """
     z = factors * field.amplitude * float(np.ptp(kw)) / 2
     return 1 + terms_needed("jacobi-anger", z, AMPLITUDE_ERROR)
 
@@ -186,7 +196,12 @@ def sum_over_lines(
 
 
 def product(one: Array, other: Array) -> Array:
-    """The matrix product, a few rows at a time."""
+    """The matrix product, a few rows at a time.
+
+    Args:
+        one: Numbers of any unit, shape (n, m).
+        other: Likewise, shape (m, k).
+    """
     result = np.empty((len(one), other.shape[1]))
     rows = max(1, PIECE // other.size)
     for k in range(0, len(one), rows):
@@ -218,9 +233,9 @@ def tiles_of(at: Array, step: Array, radius: Array) -> Iterator[Tile]:
     """Points by tiles of a lattice, each about as large as the reach, so that few nodes are vain.
 
     Args:
-        at: Positions, shape (n, 2).
-        step: Of the lattice, whose nodes are its multiples, along x and y.
-        radius: Farthest node that counts, along x and y.
+        at: Positions, shape (n, 2), in one unit with what follows: 1/µm.
+        step: Of the lattice, whose nodes are its multiples, along x and y, 1/µm.
+        radius: Farthest node that counts, along x and y, 1/µm.
     """
     reach = np.floor(radius / step + 0.5).astype(int)
     side = np.maximum(reach // 2, 1)

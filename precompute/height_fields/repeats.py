@@ -44,7 +44,14 @@ MOST_DIRECTIONS = 24
 def density_of_repeats(
     field: HeightField, tiles: tuple[int, int], windows: Windows, points: Points
 ) -> Array:
-    """|P|²/A without blur behind a window cut to some repeats, µm²."""
+    """|P|²/A without blur behind a window cut to some repeats, µm².
+
+    Args:
+        field: The relief.
+        tiles: How many patches along x and y.
+        windows: Of both axes.
+        points: Where.
+    """
     over = Interpolation(points.kw, nodes_needed(field, points.kw, 1))
     radius = np.array([window.reach(TAIL) for window in windows])
     lines = Lines(field, over.nodes, np.abs(points.at).max(axis=0) + radius)
@@ -81,6 +88,13 @@ class SplitBlur:
         """That of `HeightFieldOptics.covariance` without the window.
 
         1 − tt^T = cos²θ_i·1 + t'(t')^T, t = (ω_i)_xy and t' at right angles to it, as long.
+
+        Args:
+            optics: Roughness and coherence.
+            wi: ω_i, shape (n, 3), above the horizon.
+            wo: ω_o, shape (n, 3), above the horizon.
+            wavelength: λ, µm, shape (n,).
+            angular_radius: α of the light, rad.
         """
         tilt = (wi[:, 2] + wo[:, 2]) * optics.roughness
         across = np.stack([-wi[:, 1], wi[:, 0]], axis=1)

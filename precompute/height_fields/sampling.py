@@ -46,6 +46,12 @@ def grid_size(length: float, pitch: float) -> int:
 def refuse_large(file: str | Path, rows: int, columns: int) -> None:
     """Refuse a patch of more than `MAX_SAMPLES`.
 
+    Args:
+        file: For the error.
+        rows: Number of samples along y.
+        columns: Number of samples along x.
+
+
     Raises:
         InputError: It is larger.
     """

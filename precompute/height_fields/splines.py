@@ -40,7 +40,7 @@ def gaussian_moments(centres: Array, deviation: float, axis: Axis, degree: Degre
 
     Args:
         centres: m, shape (n,); those out of the axis' reach give zeros.
-        deviation: τ, above 0.
+        deviation: τ, above 0, no unit of its own: the axis'.
         axis: Linear.
         degree: d.
 
@@ -68,7 +68,13 @@ def gaussian_moments(centres: Array, deviation: float, axis: Axis, degree: Degre
 
 
 def coefficients(moments: Array, axis: int, degree: Degree) -> Array:
-    """c of G c = b along an axis of `moments`, the splines beyond its ends left out."""
+    """c of G c = b along an axis of `moments`, the splines beyond its ends left out.
+
+    Args:
+        moments: b, shape (..., n, ...), of any unit.
+        axis: The index of the axis.
+        degree: d of the splines.
+    """
     b = np.moveaxis(moments, axis, 0)
     banded = np.repeat(GRAM[degree][:, None], len(b), axis=1)
     c = solveh_banded(banded, b.reshape(len(b), -1), lower=True)

@@ -74,7 +74,7 @@ def terms_map(
         field: The relief.
         expansion: Which series.
         terms: How many; ``None`` for as many as `error` asks for.
-        error: Largest error of exp(ikwh).
+        error: Largest error of exp(ikwh), no unit.
         recipe: What the map is baked from, for its sidecar.
         file: The recipe's file, for errors.
 

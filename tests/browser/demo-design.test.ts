@@ -4,44 +4,36 @@ import { join } from 'node:path'
 import { fileURLToPath } from 'node:url'
 import { promisify } from 'node:util'
 import { unzipSync } from 'fflate'
-import type { Browser, Page } from 'playwright-core'
+import type { Page } from 'playwright-core'
 import ts from 'typescript'
 import { afterAll, afterEach, beforeAll, describe, expect, it, vi } from 'vitest'
-import { launchBrowser, serveDemo } from '../../scripts/browser.mjs'
 import { venvProgram } from '../../scripts/python.mjs'
 import { Foil } from '../../web'
 import { serveFiles } from '../web/fake-maps'
-import { dockLayout, openPage, settle, type OpenedPage } from './demo-page'
-import { meanDifference, pixelsOf, type Pixels } from './screenshot'
+import { demoPages, picture, settle, type OpenedPage } from './demo-page'
+import { dockLayout } from './dock-layout'
+import { meanDifference } from './screenshot'
 
 const root = fileURLToPath(new URL('../../', import.meta.url))
 
-let server: Awaited<ReturnType<typeof serveDemo>>
-let browser: Browser
+const { open } = demoPages()
 let folder: string
-const pages: Page[] = []
 
 beforeAll(async () => {
-  server = await serveDemo()
-  browser = await launchBrowser({ backend: 'llvmpipe' })
   await mkdir(join(root, 'tests/output'), { recursive: true })
   folder = await mkdtemp(join(root, 'tests/output/demo-design-'))
 })
 
-afterEach(async () => {
+afterEach(() => {
   vi.unstubAllGlobals()
-  for (const page of pages.splice(0)) await page.close()
 })
 
 afterAll(async () => {
-  await browser.close()
-  await server.close()
   await rm(folder, { recursive: true })
 })
 
 async function design(query: string, width: number, height: number): Promise<OpenedPage> {
-  const opened = await openPage(browser, server.url + query, width, height)
-  pages.push(opened.page)
+  const opened = await open(query, { width, height, acceptDownloads: true })
   await settle(opened.page)
   await opened.page.getByRole('button', { name: 'Design', exact: true }).press('Enter')
   await opened.page.waitForSelector('.design')
@@ -55,11 +47,6 @@ async function makePolygons(page: Page): Promise<void> {
   await page.getByLabel('Texels a side', { exact: true }).fill('64')
   await page.getByRole('button', { name: 'Make the foil' }).press('Enter')
   await page.locator('.design [role=status]', { hasText: '64 × 64 texels' }).waitFor()
-}
-
-async function picture(page: Page): Promise<Pixels> {
-  await settle(page)
-  return pixelsOf(page, await page.locator('#view').screenshot())
 }
 
 /** Saves the map by the page's own button; its files by name, which lie in the folder too. */

@@ -1,31 +1,14 @@
-import type { Browser, Page } from 'playwright-core'
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest'
+import type { Page } from 'playwright-core'
+import { describe, expect, it } from 'vitest'
 import { gamutMapped } from '../../demo/inspector/optics/display'
-import { launchBrowser, serveDemo } from '../../scripts/browser.mjs'
-import { dockLayout, openPage, settle, type OpenedPage } from './demo-page'
+import { demoPages, settle, type OpenedPage } from './demo-page'
+import { dockLayout } from './dock-layout'
 
-let server: Awaited<ReturnType<typeof serveDemo>>
-let browser: Browser
-const pages: Page[] = []
-
-beforeAll(async () => {
-  server = await serveDemo()
-  browser = await launchBrowser({ backend: 'llvmpipe' })
-})
-
-afterEach(async () => {
-  for (const page of pages.splice(0)) await page.close()
-})
-
-afterAll(async () => {
-  await browser.close()
-  await server.close()
-})
+const { open } = demoPages()
 
 /** Opens the page and its inspector, by the keyboard. */
 async function inspect(query: string, width: number, height: number): Promise<OpenedPage> {
-  const opened = await openPage(browser, server.url + query, width, height)
-  pages.push(opened.page)
+  const opened = await open(query, { width, height })
   await settle(opened.page)
   await opened.page.getByRole('button', { name: 'Inspect', exact: true }).press('Enter')
   await opened.page.waitForSelector('.point-facts dd')
@@ -65,8 +48,7 @@ function alternative(page: Page, title: string): Promise<string> {
 
 describe('the inspector', () => {
   it('is not loaded before it is opened', async () => {
-    const { page } = await openPage(browser, server.url, 480, 400)
-    pages.push(page)
+    const { page } = await open()
     await settle(page)
     const loaded = (): Promise<string[]> =>
       page.evaluate(() =>

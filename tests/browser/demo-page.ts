@@ -1,34 +1,76 @@
-import type { Browser, Page } from 'playwright-core'
+import type { Browser, BrowserContextOptions, Page } from 'playwright-core'
+import { afterAll, afterEach, beforeAll } from 'vitest'
+import { launchBrowser, serveDemo } from '../../scripts/browser.mjs'
+import { pixelsOf, type Pixels } from './screenshot'
 
-/** For the slowest foil on a machine that does other things too, ms. */
+/** For the slowest object on a machine that does other things too, ms. */
 export const SETTLED_MS = 120_000
 
 export interface OpenedPage {
   page: Page
   /** What the page wrote as errors and warnings so far. */
   complaints: string[]
+  /** Addresses that it asked for on other hosts. */
+  elsewhere: string[]
 }
 
-/** Opens the demo page. address: with its query. */
-export async function openPage(
-  browser: Browser,
-  address: string,
-  width: number,
-  height: number,
-): Promise<OpenedPage> {
-  const page = await browser.newPage({
-    viewport: { width, height },
-    reducedMotion: 'reduce',
-    acceptDownloads: true,
+export interface OpenOptions extends BrowserContextOptions {
+  /** The view of the page, CSS pixels. */
+  width?: number
+  height?: number
+  /** Whether the page may keep itself for times without a network: all its files are fetched then. */
+  isKept?: boolean
+  /** Called before the page is opened. */
+  prepare?: (page: Page) => Promise<unknown>
+}
+
+/** Serves the built demo page to the tests of a file. */
+export function demoPages(): {
+  open: (query?: string, options?: OpenOptions) => Promise<OpenedPage>
+} {
+  let server: Awaited<ReturnType<typeof serveDemo>>
+  let browser: Browser
+  const opened: Page[] = []
+
+  beforeAll(async () => {
+    server = await serveDemo()
+    browser = await launchBrowser({ backend: 'llvmpipe' })
   })
-  page.setDefaultTimeout(SETTLED_MS)
-  const complaints: string[] = []
-  page.on('console', (message) => {
-    if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
+  afterEach(async () => {
+    for (const page of opened.splice(0)) await page.context().close()
   })
-  page.on('pageerror', (error) => complaints.push(String(error)))
-  await page.goto(address)
-  return { page, complaints }
+  afterAll(async () => {
+    await browser.close()
+    await server.close()
+  })
+
+  const open = async (query = '', options: OpenOptions = {}): Promise<OpenedPage> => {
+    const { width = 480, height = 400, isKept = false, prepare, ...others } = options
+    const context = await browser.newContext({
+      viewport: { width, height },
+      reducedMotion: 'reduce',
+      ...others,
+    })
+    const page = await context.newPage()
+    opened.push(page)
+    page.setDefaultTimeout(SETTLED_MS)
+    const complaints: string[] = []
+    const elsewhere: string[] = []
+    page.on('console', (message) => {
+      if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
+    })
+    page.on('pageerror', (error) => complaints.push(String(error)))
+    page.on('request', (request) => {
+      const url = request.url()
+      if (!/^(data|blob):/.test(url) && !url.startsWith(server.url)) elsewhere.push(url)
+    })
+    if (!isKept)
+      await page.addInitScript(() => Reflect.deleteProperty(Navigator.prototype, 'serviceWorker'))
+    await prepare?.(page)
+    await page.goto(server.url + query)
+    return { page, complaints, elsewhere }
+  }
+  return { open }
 }
 
 /** Waits until nothing is being loaded and the picture is finished. */
@@ -38,23 +80,13 @@ export async function settle(page: Page): Promise<void> {
   await page.waitForSelector('#view[data-state=settled]')
 }
 
-/** How far an open tool's contents, or the page, stick out of their width, CSS pixels; and what of it is too small to be hit. */
-export function dockLayout(page: Page): Promise<{ over: number; small: string[] }> {
-  return page.evaluate(() => {
-    const body = document.querySelector('.dock-body')!
-    const right = body.getBoundingClientRect().right
-    const over = [...body.querySelectorAll('*')]
-      .filter((element) => !element.closest('svg > *'))
-      .map((element) => element.getBoundingClientRect())
-      .filter(({ width }) => width > 1)
-      .map((box) => box.right - right)
-    const targets = document.querySelectorAll(
-      '.dock button, .dock select, .dock input, .dock summary, .crosshair',
-    )
-    const small = [...targets]
-      .map((target) => ({ target, box: target.getBoundingClientRect() }))
-      .filter(({ box }) => box.width > 0 && (box.width < 24 || box.height < 24))
-      .map(({ target, box }) => `${target.outerHTML.slice(0, 60)} ${box.width} × ${box.height}`)
-    return { over: Math.max(document.documentElement.scrollWidth - innerWidth, ...over), small }
-  })
+/** The finished picture. */
+export async function picture(page: Page): Promise<Pixels> {
+  await settle(page)
+  return pixelsOf(page, await page.locator('#view').screenshot())
+}
+
+/** Waits until a change has reached the picture. */
+export async function stirred(page: Page): Promise<void> {
+  await page.waitForSelector('#view:not([data-state=settled])')
 }

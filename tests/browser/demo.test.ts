@@ -1,66 +1,16 @@
-import type { Browser, Page } from 'playwright-core'
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest'
-import { launchBrowser, serve } from '../../scripts/browser.mjs'
-import { meanDifference, pixelsOf, shareOf, type Pixels } from './screenshot'
+import type { Page } from 'playwright-core'
+import { describe, expect, it } from 'vitest'
+import { demoPages, picture, settle, stirred } from './demo-page'
+import { meanDifference, shareOf, type Pixels } from './screenshot'
 
-let server: Awaited<ReturnType<typeof serve>>
-let browser: Browser
-const pages: Page[] = []
-
-beforeAll(async () => {
-  server = await serve('demo')
-  browser = await launchBrowser({ backend: 'llvmpipe' })
-})
-
-afterEach(async () => {
-  for (const page of pages.splice(0)) await page.close()
-})
-
-afterAll(async () => {
-  await browser.close()
-  await server.close()
-})
-
-/** For the slowest foil on a machine that does other things too, ms. */
-const SETTLED_MS = 120_000
-
-interface OpenedPage {
-  page: Page
-  /** What the page wrote as errors and warnings so far. */
-  complaints: string[]
-}
-
-async function open(query = '', width = 480, height = 400): Promise<OpenedPage> {
-  const page = await browser.newPage({ viewport: { width, height }, reducedMotion: 'reduce' })
-  pages.push(page)
-  page.setDefaultTimeout(SETTLED_MS)
-  const complaints: string[] = []
-  page.on('console', (message) => {
-    if (['error', 'warning'].includes(message.type())) complaints.push(message.text())
-  })
-  page.on('pageerror', (error) => complaints.push(String(error)))
-  await page.goto(server.url + query)
-  return { page, complaints }
-}
-
-/** Waits until nothing is being loaded and the picture is finished. */
-async function settle(page: Page): Promise<void> {
-  await page.waitForSelector('#controls label', { state: 'attached' })
-  await page.waitForSelector('#loading', { state: 'hidden' })
-  await page.waitForSelector('#view[data-state=settled]')
-}
-
-async function picture(page: Page): Promise<Pixels> {
-  await settle(page)
-  return pixelsOf(page, await page.locator('#view').screenshot())
-}
+const { open } = demoPages()
 
 /** Presses keys on the control of that label, found and reached as from the keyboard. */
 async function press(page: Page, label: string, ...keys: string[]): Promise<void> {
   const control = page.getByLabel(label, { exact: true })
   await control.focus()
   for (const key of keys) await page.keyboard.press(key)
-  await page.waitForSelector('#view:not([data-state=settled])')
+  await stirred(page)
 }
 
 function isBright(r: number, g: number, b: number): boolean {
@@ -90,7 +40,7 @@ describe('the demo', () => {
   })
 
   it('shows a snake in colours', async () => {
-    const { page, complaints } = await open('?scene=snake', 420, 300)
+    const { page, complaints } = await open('?scene=snake', { width: 420, height: 300 })
     const pixels = await picture(page)
     expect(complaints).toEqual([])
     // It is narrow, and dark between its colours.
@@ -98,12 +48,12 @@ describe('the demo', () => {
   })
 
   it('shows a wafer in colours, and another relief when it is chosen', async () => {
-    const { page, complaints } = await open('?scene=wafer', 820, 240)
+    const { page, complaints } = await open('?scene=wafer', { width: 820, height: 240 })
     const before = await picture(page)
     expectColours(before, 0.001)
     expect(await page.getByLabel('Method').inputValue()).toBe('line-sum')
     await page.getByLabel('Relief', { exact: true }).selectOption('cosine')
-    await page.waitForSelector('#view:not([data-state=settled])')
+    await stirred(page)
     expect(meanDifference(before, await picture(page))).toBeGreaterThan(0.3)
     expect(await page.getByLabel('Period', { exact: true }).isVisible()).toBe(false)
     expect(await page.locator('#banner').isVisible()).toBe(false)
@@ -111,12 +61,12 @@ describe('the demo', () => {
   })
 
   it('covers the card with the other foil', async () => {
-    const { page, complaints } = await open('', 820, 240)
+    const { page, complaints } = await open('', { width: 820, height: 240 })
     const before = await picture(page)
     const foil = page.getByLabel('Pattern', { exact: true })
     expect(await foil.inputValue()).toBe('/maps/baked/foil-polygons')
     await foil.selectOption('Glitter')
-    await page.waitForSelector('#view:not([data-state=settled])')
+    await stirred(page)
     const glitter = await picture(page)
     expectColours(glitter, 0.001)
     expect(meanDifference(before, glitter)).toBeGreaterThan(0.3)
@@ -126,7 +76,7 @@ describe('the demo', () => {
   })
 
   it('obeys the keyboard', async () => {
-    const { page, complaints } = await open('?scene=disc', 820, 240)
+    const { page, complaints } = await open('?scene=disc', { width: 820, height: 240 })
     await page.locator('summary', { hasText: 'Light and method' }).press('Enter')
     let before = await picture(page)
     const changed = async (): Promise<number> => {
@@ -149,7 +99,7 @@ describe('the demo', () => {
   })
 
   it('fits a phone', async () => {
-    const { page } = await open('', 360, 740)
+    const { page } = await open('', { width: 360, height: 740 })
     await settle(page)
     const sheet = page.locator('#sheet')
     expect(await sheet.getAttribute('open')).toBeNull()
@@ -172,7 +122,7 @@ describe('the demo', () => {
   })
 
   it('says what is wrong with a map, and keeps the last good foil', async () => {
-    const { page } = await open('', 820, 240)
+    const { page } = await open('', { width: 820, height: 240 })
     const before = await picture(page)
     await page.getByLabel('Foil map', { exact: false }).fill('/maps/baked/metals')
     await page.keyboard.press('Enter')
@@ -193,13 +143,12 @@ describe('the demo', () => {
   })
 
   it('says what the browser lacks', async () => {
-    const page = await browser.newPage()
-    pages.push(page)
-    page.setDefaultTimeout(SETTLED_MS)
-    await page.addInitScript(() => {
-      HTMLCanvasElement.prototype.getContext = () => null
+    const { page } = await open('', {
+      prepare: (blank) =>
+        blank.addInitScript(() => {
+          HTMLCanvasElement.prototype.getContext = () => null
+        }),
     })
-    await page.goto(server.url)
     const message = page.getByRole('alert')
     await message.waitFor()
     expect(await message.innerText()).toContain('WebGL 2')

@@ -6,21 +6,41 @@ export type Pixels = number[]
 /** Width that screenshots are brought to, pixels: what is looked for is larger than a pixel. */
 const WIDTH = 240
 
-/** Decodes a screenshot, in the page that it was taken of. */
-export function pixelsOf(page: Page, png: Buffer): Promise<Pixels> {
+/** Decodes a screenshot, in the page that it was taken of, at that width. */
+export function pixelsOf(page: Page, png: Buffer, width = WIDTH): Promise<Pixels> {
+  return inCanvas(page, png, width, 'pixels')
+}
+
+/** The screenshot at that width, as a PNG file. */
+export async function pngOf(page: Page, png: Buffer, width: number): Promise<Buffer> {
+  return Buffer.from(await inCanvas(page, png, width, 'png'))
+}
+
+function inCanvas(
+  page: Page,
+  png: Buffer,
+  width: number,
+  result: 'pixels' | 'png',
+): Promise<number[]> {
   return page.evaluate(
-    async ({ address, width }) => {
+    async (wanted) => {
       const image = new Image()
-      image.src = address
+      image.src = wanted.address
       await image.decode()
       const canvas = document.createElement('canvas')
-      canvas.width = width
-      canvas.height = Math.round((image.height * width) / image.width)
+      canvas.width = wanted.width
+      canvas.height = Math.round((image.height * wanted.width) / image.width)
       const context = canvas.getContext('2d')!
+      context.imageSmoothingQuality = 'high'
       context.drawImage(image, 0, 0, canvas.width, canvas.height)
-      return Array.from(context.getImageData(0, 0, canvas.width, canvas.height).data)
+      if (wanted.result === 'pixels')
+        return Array.from(context.getImageData(0, 0, canvas.width, canvas.height).data)
+      const blob = await new Promise<Blob | null>((resolve) => {
+        canvas.toBlob(resolve)
+      })
+      return Array.from(new Uint8Array(await blob!.arrayBuffer()))
     },
-    { address: `data:image/png;base64,${png.toString('base64')}`, width: WIDTH },
+    { address: `data:image/png;base64,${png.toString('base64')}`, width, result },
   )
 }
 

@@ -6,6 +6,7 @@ import type { WebGLRenderer } from 'three'
 import { afterAll, beforeAll, describe, expect, it } from 'vitest'
 import { launchBrowser } from '../../scripts/browser.mjs'
 import { runNpm } from '../../scripts/node-packages.mjs'
+import { codeBlocks } from '../docs/markdown'
 import { consumer, root } from './pack'
 import { serveFiles, type Overrides } from './static-server'
 
@@ -19,17 +20,11 @@ declare global {
 
 const projects = join(consumer, 'consumers')
 
-/** The strictest policy that the package's users can set; `inline` lets in the page's import map alone. */
+const STRICTEST = codeBlocks('docs/installing.md').find(({ rule }) => rule === 'policy')!.code
+
+/** The strictest policy that the package's users can set, as we tell them; `inline` lets in the page's import map alone. */
 const policy = (inline: string): string =>
-  [
-    `default-src 'none'`,
-    `script-src 'self'${inline}`,
-    `style-src 'self'`,
-    `connect-src 'self'`,
-    `base-uri 'none'`,
-    `require-trusted-types-for 'script'`,
-    `trusted-types 'none'`,
-  ].join('; ')
+  STRICTEST.replaceAll('\n', ' ').replace("script-src 'self'", `$&${inline}`)
 
 /** Under that policy. */
 function guarded(html: string): Record<string, string> {

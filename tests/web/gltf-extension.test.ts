@@ -1,8 +1,8 @@
-import { readFileSync } from 'node:fs'
 import { MeshStandardMaterial } from 'three'
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest'
 import type { DiffractionError } from '../../web/errors'
 import { EXTENSION } from '../../web/gltf'
+import { codeBlocks } from '../docs/markdown'
 import { FAKES, fakeGlbs, serveFakes, type FakeName } from './gltf-fakes'
 import {
   diffractingOf,
@@ -202,10 +202,9 @@ const LOADER_ONLY = [
 ]
 
 describe('the examples of the documentation', () => {
-  const text = readFileSync(new URL('../../docs/gltf/README.md', import.meta.url), 'utf8')
-  const examples = [...text.matchAll(/```json\n(.*?)```/gs)].map(
-    ([, json]) => JSON.parse(json!) as Json,
-  )
+  const examples = codeBlocks('docs/gltf/README.md')
+    .filter(({ language, rule }) => language === 'json' && rule === 'gltf')
+    .map(({ code }) => JSON.parse(code) as Json)
 
   it('are as its schemas say', () => {
     expect(examples).toHaveLength(2)

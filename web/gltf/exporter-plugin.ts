@@ -8,6 +8,7 @@ import { MapWriter, type GLTFWriterInternals } from './map-writer.ts'
 import { plainMaterial } from './plain-material.ts'
 import { writeMaterial } from './write-material.ts'
 
+/** Whether maps go into the file or beside it. */
 export interface GLTFDiffractionExporterOptions {
   /**
    * The relative path of a map's sidecar, as the file is to name it; null (default) puts the map into the file. Lays down no
@@ -29,12 +30,17 @@ interface MaterialWriter extends GLTFWriterInternals {
  * words for.
  */
 export class GLTFDiffractionExporterPlugin implements GLTFExporterPlugin {
+  /** The name of the extension. */
   readonly name = EXTENSION
   readonly #maps: MapWriter
   /** What is written in a material's place. */
   readonly #plain = new Map<DiffractionMaterial, Promise<MeshStandardMaterial>>()
   readonly #sources = new Map<Material, DiffractionMaterial>()
 
+  /**
+   * @param writer - what `GLTFExporter.register` hands over
+   * @param options - whether maps go into the file or beside it
+   */
   constructor(
     private readonly writer: GLTFWriter,
     { uriOf = () => null }: GLTFDiffractionExporterOptions = {},
@@ -58,6 +64,12 @@ export class GLTFDiffractionExporterPlugin implements GLTFExporterPlugin {
       )
   }
 
+  /**
+   * Called by three's exporter for every material that it has written.
+   *
+   * @param material - what was written
+   * @param definition - its glTF material, to which the extension is added
+   */
   async writeMaterialAsync(material: Material, definition: Record<string, unknown>): Promise<void> {
     const source = this.#sources.get(material)
     if (source === undefined) return

@@ -1,3 +1,8 @@
+/**
+ * Plugins that write diffracting materials into glTF files and load them.
+ *
+ * @module three-diffraction/gltf
+ */
 export {
   GLTFDiffractionExporterPlugin,
   type GLTFDiffractionExporterOptions,

@@ -8,6 +8,7 @@ import { FileMaps } from './file-maps.ts'
 import { FilePlaces } from './file-places.ts'
 import { readMaterial } from './read-material.ts'
 
+/** Where tables are, and what a file may ask for. */
 export interface GLTFDiffractionLoaderOptions {
   /** Folder of the baked tables, with its slash; 'maps/baked/' by default. */
   mapsPath?: string
@@ -33,6 +34,7 @@ export interface GLTFDiffractionLoaderOptions {
  * the file's own material without it stays, a plain metal, and `onError` is told.
  */
 export class GLTFDiffractionLoaderPlugin implements GLTFLoaderPlugin {
+  /** The name of the extension. */
   readonly name = EXTENSION
   readonly #places: FilePlaces
   readonly #maps: FileMaps
@@ -40,6 +42,10 @@ export class GLTFDiffractionLoaderPlugin implements GLTFLoaderPlugin {
   /** Materials of the file without the extension, by index. */
   readonly #fallbacks = new Map<number, Material>()
 
+  /**
+   * @param parser - what `GLTFLoader.register` hands over
+   * @param options - where tables are, and what a file may ask for
+   */
   constructor(
     private readonly parser: GLTFParser,
     options: GLTFDiffractionLoaderOptions = {},
@@ -58,6 +64,11 @@ export class GLTFDiffractionLoaderPlugin implements GLTFLoaderPlugin {
     this.#maps = new FileMaps(parser, this.#places, this.#options.maxMapBytes)
   }
 
+  /**
+   * Called by three's loader for every material; null for those without the extension.
+   *
+   * @param index - the material's index in the file
+   */
   loadMaterial(index: number): Promise<Material> | null {
     const { materials } = this.parser.json as { materials: { extensions?: object }[] }
     const extensions = materials[index]?.extensions as Record<string, unknown> | undefined
@@ -65,7 +76,12 @@ export class GLTFDiffractionLoaderPlugin implements GLTFLoaderPlugin {
     return json === undefined ? null : this.#load(index, json)
   }
 
-  /** Where a primitive has no texture coordinates there is no direction to put grooves along. */
+  /**
+   * Called by three's loader when all is there. Where a primitive has no texture coordinates there is no direction to put
+   * grooves along: it shows the plain material.
+   *
+   * @param gltf - what was loaded
+   */
   afterRoot({ scenes }: GLTF): null {
     for (const scene of scenes)
       scene.traverse((object) => {

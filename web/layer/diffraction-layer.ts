@@ -40,6 +40,7 @@ export interface DiffractionLayerSettings extends OpticsSettings {
   surface: Surface
   /** Share of the surface's own strength, 0 to 1 (default): what is left shows the material below. */
   strength: number
+  /** Largest relative root mean square error of radiance for which method and knobs are chosen; null: as given. */
   maxError: number | null
   /** Radius (standard deviation, rad) of lights that state none in `userData.angularRadius`; null, points, by default. */
   lightAngularRadius: number | null
@@ -48,13 +49,17 @@ export interface DiffractionLayerSettings extends OpticsSettings {
    * intensity and the turn of the material's own if there is one.
    */
   envMap: Texture | null
+  /** Whether a flat mesh under an environment may read a table in place of the nodes. */
   planarEnvironment: boolean
   /** Whether the layer is there at all. */
   diffraction: boolean
+  /** Whether colours are moved into the display's gamut ('map') or left as sums ('signed'). */
   gamut: Gamut
+  /** Told of tables that could not be loaded; prints to the console by default. */
   onError: (error: DiffractionError) => void
 }
 
+/** What a layer is made of: its surface, and what differs from the defaults. */
 export interface DiffractionLayerOptions extends Partial<DiffractionLayerSettings> {
   surface: Surface
   /** Folder of the baked tables, with its slash; 'maps/baked/' by default. */
@@ -73,6 +78,8 @@ const layers = new WeakMap<BaseMaterial, DiffractionLayer>()
  *
  * A clone of the material has no layer.
  *
+ * @param material - on which the surface lies; it is changed, and {@link DiffractionLayer.remove} undoes that
+ * @param options - the surface, and what differs from the defaults
  * @throws DiffractionError for another kind of material, one that has a layer, or an option that is refused
  */
 export function diffractionLayer(
@@ -194,6 +201,7 @@ export class DiffractionLayer {
   /**
    * Changes settings. Those that need other tables are taken over when these have come.
    *
+   * @param settings - those that change
    * @throws DiffractionError that names the first that is unknown or out of range; those before it are set
    */
   set(settings: Partial<DiffractionLayerSettings>): void {

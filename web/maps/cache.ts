@@ -2,7 +2,11 @@ import { loadMap, type LoadedMap } from './load.ts'
 
 const loads = new Map<string, Promise<LoadedMap>>()
 
-/** {@link loadMap}, once for each address: materials share their tables. A load that failed is tried anew. */
+/**
+ * {@link loadMap}, once for each address: materials share their tables. A load that failed is tried anew.
+ *
+ * @param url - the map's address without extension
+ */
 export function loadSharedMap(url: string): Promise<LoadedMap> {
   const known = loads.get(url)
   if (known !== undefined) return known

@@ -13,7 +13,12 @@ import {
 
 /** One array of a map, as it is stored: half floats stay 16-bit words. */
 export interface MapArray {
+  /** What its axes and channels are, and how its texels are decoded. */
   spec: ArraySpec
+  /**
+   * Half floats as words, floats, or texels of 8 bits, of the quantity and unit that the sidecar names; {@link
+   * valuesOf} makes numbers of them.
+   */
   data: Uint16Array | Float32Array | Uint8Array
 }
 
@@ -21,13 +26,19 @@ export interface MapArray {
 export interface LoadedMap {
   /** The address it came from, without extension. */
   url: string
+  /** What its JSON says: kind, quantity, axes with their units, constants, recipe. */
   sidecar: Sidecar
+  /** Its numbers, by the sidecar's names. */
   arrays: Record<string, MapArray>
   /** Whether the SHA-256 sums were compared: browsers offer them in secure contexts only. */
   verified: boolean
 }
 
-/** Loads and checks a map by its address without extension, as in `maps/baked/profile-sinusoidal`. */
+/**
+ * Loads and checks a map. Throws a DiffractionError that names file and field of what is wrong.
+ *
+ * @param url - its address without extension, as in `maps/baked/profile-sinusoidal`
+ */
 export async function loadMap(url: string): Promise<LoadedMap> {
   const file = `${url}.json`
   const sidecar = readSidecar(file, await fetchJson(file))
@@ -102,7 +113,12 @@ export function constantOf(map: LoadedMap, name: string): number[] {
   })
 }
 
-/** The array's elements as numbers: half floats widened, 8-bit texels decoded channel by channel. */
+/**
+ * The array's elements as numbers: half floats widened, 8-bit texels decoded channel by channel.
+ *
+ * @param array - of a map that is loaded
+ * @returns in the unit of the sidecar's quantity, which has no unit for efficiencies and colours; slowest axis first, channels last
+ */
 export function valuesOf({ spec, data }: MapArray): Float32Array {
   if (data instanceof Float32Array) return data
   if (data instanceof Uint16Array)

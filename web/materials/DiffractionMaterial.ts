@@ -51,18 +51,24 @@ export class DiffractionMaterial extends ShaderMaterial {
   override readonly type = 'DiffractionMaterial'
   /** Tells three to pass on a geometry's tangents and uv: a grating has a direction. */
   readonly anisotropy = 1
+  /** Normal maps lie in the tangent frame, as three's default has it. */
   readonly normalMapType = TangentSpaceNormalMap
 
   /** Albedo of the matt base. */
   readonly color = new Color(0xffffff)
+  /** How far the normal map bends normals, along u and along v: a factor each, 1 by default. */
   readonly normalScale = new Vector2(1, 1)
+  /** How far the bump map bends normals: a factor as in three, 1 by default. */
   bumpScale = 1
+  /** Factor of the radiance of `envMap`, 1 by default; the scene's own has `environmentIntensity`. */
   envMapIntensity = 1
   /** Normals from the triangles; as in three's materials, a change needs `needsUpdate`. */
   flatShading = false
+  /** How `envMap` is turned, rad. */
   readonly envMapRotation = new Euler()
   /** Whether a flat mesh under an environment may read a table in place of the nodes. */
   planarEnvironment = true
+  /** Told of tables that could not be loaded; prints to the console by default. */
   onError: (error: DiffractionError) => void = (error) => {
     console.error(error)
   }
@@ -76,6 +82,10 @@ export class DiffractionMaterial extends ShaderMaterial {
   #bumpMap: Texture | null = null
   #envMap: Texture | null = null
 
+  /**
+   * @param options - a surface, and what differs from the defaults. Throws a DiffractionError where one is out of
+   * range.
+   */
   constructor(options: DiffractionMaterialOptions) {
     super()
     assertLightLoops()
@@ -122,6 +132,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     return this.#chosen.ready
   }
 
+  /** What diffracts. A new one keeps the settings that it can be drawn with. */
   get surface(): Surface {
     return this.#chosen.surface
   }
@@ -130,6 +141,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#chosen.surface = value
   }
 
+  /** Folder of the baked tables, with its slash. */
   get mapsPath(): string {
     return this.#chosen.mapsPath
   }
@@ -139,6 +151,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     return this.#chosen.maps
   }
 
+  /** What reflects. */
   get metal(): Metal {
     return this.#chosen.settings.metal
   }
@@ -147,6 +160,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#chosen.set('metal', value)
   }
 
+  /** Spectrum of lights and environment: a baked one's name or a map's address. */
   get illuminant(): string {
     return this.#chosen.settings.illuminant
   }
@@ -155,6 +169,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#chosen.set('illuminant', value)
   }
 
+  /** Whose colour-matching functions make colours of spectra. */
   get observer(): Observer {
     return this.#chosen.settings.observer
   }
@@ -172,6 +187,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#chosen.set('energy', value)
   }
 
+  /** By which method light is summed over wavelengths and orders. */
   get method(): Method {
     return this.#chosen.settings.method
   }
@@ -189,6 +205,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#chosen.set('wavelengthStep', value)
   }
 
+  /** Where the wavelength loop has efficiencies from: the profile's table, or the papers' Taylor series. */
   get efficiencies(): Efficiencies {
     return this.#chosen.settings.efficiencies
   }
@@ -215,6 +232,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#chosen.set('roughness', value)
   }
 
+  /** Number of nodes at which an order's arc of the environment is read, 1 to 401. */
   get environmentNodes(): number {
     return this.#chosen.settings.environmentNodes
   }
@@ -259,6 +277,7 @@ export class DiffractionMaterial extends ShaderMaterial {
       value === null ? null : angularRadius(OWNER, 'lightAngularRadius', value)
   }
 
+  /** Share of the surface under a clear lacquer, 0 to 1. */
   get coat(): number {
     return this.#number('uCoat')
   }
@@ -268,6 +287,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#scene.defines.set('COAT', value > 0)
   }
 
+  /** The lacquer's refractive index, 1 to 4. */
   get coatIor(): number {
     return this.#number('uCoatIor')
   }
@@ -277,6 +297,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#setNumber('uCoatIor', within(OWNER, 'coatIor', value, 1, 4))
   }
 
+  /** The lacquer's roughness as three counts it, 0 to 1. */
   get coatRoughness(): number {
     return this.#number('uCoatRoughness')
   }
@@ -285,6 +306,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#setNumber('uCoatRoughness', within(OWNER, 'coatRoughness', value, 0, 1))
   }
 
+  /** Whether colours are moved into the display's gamut ('map') or left as sums ('signed'). */
   get gamut(): Gamut {
     return this.#gamut
   }
@@ -294,6 +316,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#scene.defines.set('GAMUT_MAPPED', value === 'map')
   }
 
+  /** Colours of the matt base, times `color`. */
   get map(): Texture | null {
     return this.#map
   }
@@ -302,6 +325,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#map = this.#setTexture('map', this.#map, value)
   }
 
+  /** Normals in the tangent frame, scaled by `normalScale`. */
   get normalMap(): Texture | null {
     return this.#normalMap
   }
@@ -310,6 +334,7 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#normalMap = this.#setTexture('normalMap', this.#normalMap, value)
   }
 
+  /** Heights that bend normals, scaled by `bumpScale`. */
   get bumpMap(): Texture | null {
     return this.#bumpMap
   }
@@ -387,7 +412,11 @@ export class DiffractionMaterial extends ShaderMaterial {
     this.#scene.dispose()
   }
 
-  /** Shares surface, maps and tables with the source, and copies the rest. */
+  /**
+   * Shares surface, maps and tables with the source, and copies the rest.
+   *
+   * @param source - another of its kind
+   */
   override copy(source: this): this {
     // Not ShaderMaterial's, which would clone every table's texture.
     Material.prototype.copy.call(this, source)

@@ -22,8 +22,10 @@ export const CHOSEN_SETTINGS = [
 export type ChosenSettings = Pick<OpticsSettings, (typeof CHOSEN_SETTINGS)[number]>
 
 export const GAMUTS = ['map', 'signed'] as const
+/** Whether colours are moved into the display's gamut, or left as the sums that they are. */
 export type Gamut = (typeof GAMUTS)[number]
 
+/** What a DiffractionMaterial is made of; beside these, the parameters of every three material. */
 export interface DiffractionMaterialOptions extends MaterialParameters, Partial<OpticsSettings> {
   /** What diffracts: a Grating, a Foil. */
   surface: Surface
@@ -51,16 +53,23 @@ export interface DiffractionMaterialOptions extends MaterialParameters, Partial<
   coatRoughness?: number
   /** Albedo of the matt base that shows where the surface does not diffract; white by default. */
   color?: ColorRepresentation | Color
+  /** Colours of the matt base, times `color`. */
   map?: Texture | null
+  /** Normals in the tangent frame. */
   normalMap?: Texture | null
+  /** How far the normal map bends normals, along u and along v: a factor each, 1 by default. */
   normalScale?: Vector2
+  /** Heights that bend normals. */
   bumpMap?: Texture | null
+  /** How far the bump map bends normals: a factor as in three, 1 by default. */
   bumpScale?: number
   /** Normals from the triangles instead of the vertices; false by default. */
   flatShading?: boolean
   /** The environment, in place of the scene's. */
   envMap?: Texture | null
+  /** Factor of the radiance of `envMap`, 1 by default. */
   envMapIntensity?: number
+  /** How `envMap` is turned, rad. */
   envMapRotation?: Euler
   /**
    * Whether a flat mesh under an environment may read a table in place of the nodes, true by default: where it is flat,

@@ -53,6 +53,7 @@ void main() {
 	#include <dithering_fragment>
 }`
 
+/** How many frames, and whether edges are smoothed. */
 export interface ProgressiveRefinementOptions {
   /** After how many frames the picture is finished: 16 by default, a power of 2 up to 1024. */
   frames?: number
@@ -80,7 +81,12 @@ export class ProgressiveRefinement {
   readonly #quad = new FullScreenQuad()
   #count = 0
 
-  /** Begins with frames as large as the renderer's canvas. Throws a DiffractionError where an option is out of range. */
+  /**
+   * Begins with frames as large as the renderer's canvas. Throws a DiffractionError where an option is out of range.
+   *
+   * @param renderer - that draws the scene; its tone mapping and colour space are those of the picture
+   * @param options - how many frames, and whether edges are smoothed
+   */
   constructor(
     renderer: WebGLRenderer,
     { frames = 16, antialias = true }: ProgressiveRefinementOptions = {},
@@ -135,7 +141,12 @@ export class ProgressiveRefinement {
     return this.#mean
   }
 
-  /** Forgets the mean, because something has changed. width, height: of the frames, in pixels; the canvas' by default. */
+  /**
+   * Forgets the mean, because something has changed.
+   *
+   * @param width - of the frames, pixels; the canvas' by default
+   * @param height - of the frames, pixels; likewise
+   */
   begin(width?: number, height?: number): void {
     const canvas = this.#renderer.getDrawingBufferSize(new Vector2())
     for (const target of [this.#sample, this.#mean, this.#nextMean])
@@ -146,6 +157,8 @@ export class ProgressiveRefinement {
   /**
    * Adds a frame to the mean, unless the picture is finished. Draws nothing to the canvas: see `show`.
    *
+   * @param scene - the same as in the frames before
+   * @param camera - likewise; perspective or orthographic
    * @returns whether more are needed
    */
   frame(scene: Scene, camera: Camera): boolean {
@@ -179,6 +192,7 @@ export class ProgressiveRefinement {
     this.#draw(this.#output)
   }
 
+  /** Frees render targets and programs. */
   dispose(): void {
     for (const target of [this.#sample, this.#mean, this.#nextMean]) target.dispose()
     for (const material of [this.#addition, this.#output]) material.dispose()

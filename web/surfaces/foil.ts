@@ -14,6 +14,7 @@ import { MOST_GRATINGS } from './foil-shares.ts'
 import { GratingSurface } from './grating-surface.ts'
 import type { Optics, OpticsSettings } from './surface.ts'
 
+/** What is other than the map says. */
 export interface FoilOptions {
   /** Tiles along u and v; (1, 1) by default. */
   repeat?: Vector2
@@ -27,14 +28,19 @@ export interface FoilOptions {
 
 /** A map of gratings: a holographic foil, synthetic or measured. */
 export class Foil extends GratingSurface {
+  /** The GLSL of its point: a texel's grating, or the mean of many. */
   readonly glsl = foilGlsl
+  /** The files that this GLSL includes, by the name it uses. */
   override readonly glslFiles = {
     ...gratingShaders,
     'foil-clusters.glsl': foilClustersGlsl,
     'foil-shares.glsl': foilSharesGlsl,
   }
+  /** Defines that belong to the surface itself. */
   readonly defines: Record<string, string>
+  /** Whether the strength is below one anywhere, so that the matt base shows through. */
   readonly isPartial: boolean
+  /** Uniforms that belong to the surface itself; shared by all materials that show it. */
   readonly uniforms
   /** Size of one tile, mm. */
   readonly tile: readonly [number, number]
@@ -49,18 +55,28 @@ export class Foil extends GratingSurface {
   protected override readonly frequencyReach
   readonly #mean: FoilMean | null
 
-  /** Loads the map at an address without extension, as in `maps/baked/foil-dots`. */
+  /**
+   * Loads a foil's map.
+   *
+   * @param url - its address without extension, as in `maps/baked/foil-polygons`
+   * @param options - what is other than the map says
+   */
   static async load(url: string, options: FoilOptions = {}): Promise<Foil> {
     return Foil.of(await loadSharedMap(url), options)
   }
 
-  /** Of a map that is loaded. Some of a foil takes long to look at: here it is done before, in between frames. */
+  /**
+   * Of a map that is loaded. Some of a foil takes long to look at: here it is done before, in between frames.
+   *
+   * @param options - what is other than the map says
+   */
   static async of(map: LoadedMap, options: FoilOptions = {}): Promise<Foil> {
     expectKind(map, 'foil')
     await bitByBit(foilContents(map, periodsOf(map), options.filtered ?? true))
     return new Foil(map, options)
   }
 
+  /** @param options - what is other than the map says; throws a DiffractionError where one is out of range */
   constructor(map: LoadedMap, options: FoilOptions = {}) {
     expectKind(map, 'foil')
     super(
@@ -100,6 +116,11 @@ export class Foil extends GratingSurface {
         : { included: true, why: 'its texels are read where a pixel covers few of them' }
   }
 
+  /**
+   * Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface.
+   *
+   * @param tables - the maps at the addresses that `tables` gives, by the same names
+   */
   override optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
     const optics = super.optics(tables, settings)
     const mean = this.#mean
@@ -169,6 +190,7 @@ export class Foil extends GratingSurface {
       : `the foil has more than ${MOST_GRATINGS} gratings, in clusters whose shares mip levels hold`
   }
 
+  /** The class of surfaces as which the report measures it. */
   measuredAs(): string {
     return 'foil'
   }
@@ -189,6 +211,7 @@ export class Foil extends GratingSurface {
     this.uniforms.uFoilRepeat.value.copy(value)
   }
 
+  /** Its gratings, (cos θ, sin θ, frequency in 1/µm), where they are few and lie flat; else null. */
   get planarGratings(): readonly Vector3[] | null {
     return this.#mean?.kind === 'shares' && !this.hasBumps ? this.#mean.gratings : null
   }

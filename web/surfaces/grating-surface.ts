@@ -33,6 +33,11 @@ export abstract class GratingSurface implements Surface {
   /** The largest phase of the profile's table, rad; known once a material has loaded it. */
   #maxPhase = Infinity
 
+  /**
+   * @param name - the class', for errors and reports
+   * @param height - of the relief, µm
+   * @param profile - a baked profile's name, or a map's address
+   */
   constructor(
     readonly name: string,
     height: number,

@@ -5,8 +5,10 @@ import { GratingSurface } from './grating-surface.ts'
 import type { OpticsSettings } from './surface.ts'
 
 export const TRACKS = ['straight', 'circular'] as const
+/** How grooves run: in parallel, or in circles about the middle of the uv square. */
 export type Tracks = (typeof TRACKS)[number]
 
+/** What a {@link Grating} is made of. */
 export interface GratingOptions {
   /** Distance from groove to groove, µm. */
   period: number
@@ -24,8 +26,11 @@ export interface GratingOptions {
 
 /** One grating over the whole surface. */
 export class Grating extends GratingSurface {
+  /** The GLSL of its point: one grating, wherever. */
   readonly glsl = gratingGlsl
+  /** Defines that belong to the surface itself. */
   defines: Record<string, string | number> = {}
+  /** Uniforms that belong to the surface itself; shared by all materials that show it. */
   readonly uniforms = {
     uGratingFrequency: { value: 1 },
     uGratingDirection: { value: new Vector2(1, 0) },
@@ -36,6 +41,7 @@ export class Grating extends GratingSurface {
   #tracks: Tracks = 'straight'
   readonly #planar = [new Vector3()]
 
+  /** @param options - throws a DiffractionError where one is out of range */
   constructor(options: GratingOptions) {
     super('Grating', options.height, options.profile ?? 'sinusoidal')
     this.period = options.period
@@ -66,6 +72,7 @@ export class Grating extends GratingSurface {
     this.uniforms.uGratingDirection.value.set(Math.cos(value), Math.sin(value))
   }
 
+  /** Straight grooves, or circles about the middle of the uv square. */
   get tracks(): Tracks {
     return this.#tracks
   }
@@ -87,14 +94,17 @@ export class Grating extends GratingSurface {
     if (this.isPartial !== wasPartial) this.changed()
   }
 
+  /** The class of surfaces as which the report measures it: rough or not. */
   measuredAs({ roughness }: OpticsSettings): string {
     return roughness > 0 ? 'rough grating' : 'grating'
   }
 
+  /** Whether the strength is below 1, so that the matt base shows through. */
   get isPartial(): boolean {
     return this.strength < 1
   }
 
+  /** The one grating, (cos θ, sin θ, frequency in 1/µm), where tracks are straight; else null. */
   get planarGratings(): readonly Vector3[] | null {
     if (this.#tracks !== 'straight') return null
     const { uGratingDirection, uGratingFrequency } = this.uniforms

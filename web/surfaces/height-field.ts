@@ -10,6 +10,7 @@ import { within } from '../validation.ts'
 import type { Tiles } from '../height-field/cut-window.ts'
 import type { Method, Optics, OpticsSettings, Surface } from './surface.ts'
 
+/** Which relief, and how it lies. */
 export interface HeightFieldOptions {
   /**
    * A baked field's name, as in 'bumps', or the address of one without its method, as in
@@ -56,6 +57,7 @@ export class HeightField implements Surface {
   /** What the field's maps were baked from, all at once; known when the first of them is there. */
   #recipe: Record<string, unknown> = {}
 
+  /** @param options - throws a DiffractionError where one is out of range */
   constructor({
     field,
     orientation = 0,

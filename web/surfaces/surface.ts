@@ -3,9 +3,11 @@ import type { LoadedMap } from '../maps/load.ts'
 import type { RefinementFrame } from '../refinement/refinement-frame.ts'
 
 export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
+/** What reflects, by its measured refractive indices. */
 export type Metal = (typeof METALS)[number]
 
 export const ENERGIES = ['conserving', 'reciprocal', 'kirchhoff', 'relative'] as const
+/** How light is normalised over the directions into which it goes: docs/theory.md, sections 2 and 7. */
 export type Energy = (typeof ENERGIES)[number]
 
 export const METHODS = [
@@ -16,37 +18,48 @@ export const METHODS = [
   'jacobi-anger',
   'taylor',
 ] as const
+/** By which method light is summed over wavelengths and orders. */
 export type Method = (typeof METHODS)[number]
 
 export const EFFICIENCIES = ['table', 'taylor'] as const
+/** Where the wavelength loop has efficiencies from: the profile's table, or the papers' Taylor series. */
 export type Efficiencies = (typeof EFFICIENCIES)[number]
 
 export const OBSERVERS = ['1931-2', '2015-2'] as const
+/** Whose colour-matching functions: CIE 1931 or 2015, 2 degrees. */
 export type Observer = (typeof OBSERVERS)[number]
 
 /** What a material asks of any surface's optics. */
 export interface OpticsSettings {
+  /** What reflects, where the surface is no dielectric of its own. */
   metal: Metal
   /** A spectrum for which there is a map of lobes: 'D65', 'A', 'inverse-A', 'LED-B1' … */
   illuminant: string
+  /** Whose colour-matching functions make colours of spectra. */
   observer: Observer
+  /** How light is normalised over the directions into which it goes; one of the surface's `energies`. */
   energy: Energy
+  /** By which method light is summed; one of the surface's `methods`. */
   method: Method
   /** Step of the wavelength loop, µm. */
   wavelengthStep: number
+  /** Where the wavelength loop has efficiencies from. */
   efficiencies: Efficiencies
   /** Standard deviation σ of the coherence window, µm. */
   coherence: number
   /** Standard deviation of the surface's tilt, rad. */
   roughness: number
-  /** Nodes at which an order's arc of the environment is sampled. */
+  /** Number of nodes at which an order's arc of the environment is sampled. */
   environmentNodes: number
 }
 
 /** One thing the shader can do, whether it is compiled in, and why. */
 export interface Feature {
+  /** What it is, in words. */
   feature: string
+  /** Whether it is compiled in. */
   included: boolean
+  /** The reason, in words. */
   why: string
 }
 
@@ -73,7 +86,9 @@ export interface Optics {
   features: readonly Feature[]
   /** What of it only an environment asks for. */
   environmentFeatures: readonly Feature[]
+  /** Defines of the program. */
   defines: Record<string, string | number>
+  /** Uniforms of the program, tables among them. */
   uniforms: Record<string, IUniform>
   /** Makes the uniforms that an environment needs besides; asked for once there is one. */
   environmentUniforms: () => Record<string, IUniform>
@@ -118,13 +133,21 @@ export interface Surface {
   readonly planarGratings: readonly Vector3[] | null
   /** Counts the changes that reach beyond `uniforms`: materials compare it before they render. */
   readonly version: number
-  /** The addresses of the tables that the optics need, by a name of the surface's own. */
+  /**
+   * The addresses of the tables that the optics need, by a name of the surface's own.
+   *
+   * @param mapsPath - folder of the baked tables, with its slash
+   */
   tables(settings: OpticsSettings, mapsPath: string): Record<string, string>
   /**
    * Methods that can be drawn under these settings by maps that are known to be there, besides those that read the same
    * tables.
    */
   methodsKnown(settings: OpticsSettings): readonly Method[]
-  /** Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface. */
+  /**
+   * Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface.
+   *
+   * @param tables - the maps at those addresses, by the same names
+   */
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics
 }
