@@ -120,6 +120,13 @@ export class Demo {
     this.onChanged()
   }
 
+  /** Covers the object on show with a foil that was made in the page; rejects where it cannot be drawn. */
+  async showMadeFoil(foil: Foil): Promise<void> {
+    await this.#cover(this.subject, foil)
+    this.viewer.invalidate()
+    this.onChanged()
+  }
+
   /** Gives the object on show another height field, unless its maps are broken. */
   async showField(field: FieldName): Promise<void> {
     const { subject } = this

@@ -1,5 +1,8 @@
 import { Demo } from './demo'
+import { DesignPanel } from './design/design-panel'
 import { isEnvironmentName } from './light/environments'
+import { Inspector } from './inspector/inspector'
+import { Dock } from './tools/dock'
 import { keepOffline } from './offline/keep-offline'
 import { follow } from './link/link'
 import { cameraSetting, tiltSetting } from './link/poses'
@@ -78,6 +81,11 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   const explanation = new Explanation(() => demo.explain())
   form.append(explanation.element)
   byId('remarks', HTMLElement).hidden = false
+  const dock = new Dock((error) => {
+    demo.banner.show(error)
+  })
+  dock.add(new Inspector(demo))
+  dock.add(new DesignPanel(demo))
   const settings = [...panel.settings, tiltSetting(demo.tilt), cameraSetting(viewer)]
   new Actions(demo, settings)
   const line = divider(demo.comparison)

@@ -26,7 +26,8 @@ export function foilField(demo: Demo): { choice: Control; address: Control; sett
   )
   const setting: Setting = {
     name: 'foil',
-    read: () => (isFoil() ? demo.foilUrl : undefined),
+    // A foil that was made in the page has no address.
+    read: () => (isFoil() && demo.foilUrl !== '' ? demo.foilUrl : undefined),
     write: (url) => demo.showFoil(url),
   }
   return { choice: pattern, address: addressField(demo), setting }

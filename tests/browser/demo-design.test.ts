@@ -1,0 +1,194 @@
+import { execFile } from 'node:child_process'
+import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises'
+import { join } from 'node:path'
+import { fileURLToPath } from 'node:url'
+import { promisify } from 'node:util'
+import { unzipSync } from 'fflate'
+import type { Page } from 'playwright-core'
+import ts from 'typescript'
+import { afterAll, afterEach, beforeAll, describe, expect, it, vi } from 'vitest'
+import { venvProgram } from '../../scripts/python.mjs'
+import { Foil } from '../../web'
+import { serveFiles } from '../web/fake-maps'
+import { demoPages, picture, settle, type OpenedPage } from './demo-page'
+import { dockLayout } from './dock-layout'
+import { meanDifference } from './screenshot'
+
+const root = fileURLToPath(new URL('../../', import.meta.url))
+
+const { open } = demoPages()
+let folder: string
+
+beforeAll(async () => {
+  await mkdir(join(root, 'tests/output'), { recursive: true })
+  folder = await mkdtemp(join(root, 'tests/output/demo-design-'))
+})
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+afterAll(async () => {
+  await rm(folder, { recursive: true })
+})
+
+async function design(query: string, width: number, height: number): Promise<OpenedPage> {
+  const opened = await open(query, { width, height, acceptDownloads: true })
+  await settle(opened.page)
+  await opened.page.getByRole('button', { name: 'Design', exact: true }).press('Enter')
+  await opened.page.waitForSelector('.design')
+  return opened
+}
+
+/** Few large polygons: the fewer gratings, the sooner they are drawn. */
+async function makePolygons(page: Page): Promise<void> {
+  await page.getByLabel('Shapes', { exact: true }).selectOption('polygons')
+  await page.getByLabel('Size of a shape', { exact: true }).fill('6')
+  await page.getByLabel('Texels a side', { exact: true }).fill('64')
+  await page.getByRole('button', { name: 'Make the foil' }).press('Enter')
+  await page.locator('.design [role=status]', { hasText: '64 × 64 texels' }).waitFor()
+}
+
+/** Saves the map by the page's own button; its files by name, which lie in the folder too. */
+async function savedFiles(page: Page): Promise<Record<string, Uint8Array>> {
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'Download' }).press('Enter'),
+  ])
+  const files = unzipSync(new Uint8Array(await readFile(await download.path())))
+  for (const [name, bytes] of Object.entries(files)) await writeFile(join(folder, name), bytes)
+  return files
+}
+
+async function inspected(name: string): Promise<string> {
+  const program = join(root, venvProgram('diffraction'))
+  return (await promisify(execFile)(program, ['inspect', join(folder, `${name}.json`)])).stdout
+}
+
+/** What TypeScript says of code that imports the package. */
+function typeErrors(file: string): string[] {
+  const program = ts.createProgram([file, join(root, 'web/glsl.d.ts')], {
+    ...{ module: ts.ModuleKind.ESNext, moduleResolution: ts.ModuleResolutionKind.Bundler },
+    ...{ target: ts.ScriptTarget.ES2022, strict: true, noEmit: true, skipLibCheck: true },
+    ...{ allowImportingTsExtensions: true, types: ['vite/client'] },
+    paths: { 'three-diffraction': [join(root, 'web/index.ts')] },
+  })
+  return [...program.getSyntacticDiagnostics(), ...program.getSemanticDiagnostics()].map(
+    ({ messageText }) => ts.flattenDiagnosticMessageText(messageText, '\n'),
+  )
+}
+
+describe('the design panel', () => {
+  it('shows a foil of strewn shapes, and saves a map that the command and the library read', async () => {
+    const { page, complaints } = await design('', 820, 420)
+    const before = await picture(page)
+    await makePolygons(page)
+    expect(meanDifference(before, await picture(page))).toBeGreaterThan(0.3)
+    await page.getByLabel('Name of the map').fill('strewn_1')
+    const files = await savedFiles(page)
+    expect(Object.keys(files).sort()).toEqual(['strewn_1.grating.png', 'strewn_1.json'])
+    expect(await inspected('strewn_1')).toMatch(/checksums\s+match/)
+    serveFiles(
+      Object.fromEntries(Object.entries(files).map(([name, data]) => [`maps/${name}`, data])),
+    )
+    const foil = await Foil.load('maps/strewn_1')
+    expect(foil.map.sidecar.recipe).toMatchObject({
+      design: 'stochastic',
+      shape: 'polygons',
+      seed: 1,
+    })
+    expect(foil.tile).toEqual([25, 25])
+    expect(complaints).toEqual([])
+  })
+
+  it('gives the foil on show periods by orientation, with code that compiles', async () => {
+    const { page, complaints } = await design('', 820, 420)
+    const before = await picture(page)
+    await page.getByLabel('Periods by orientation').check()
+    await page.getByLabel('Period at 0°').fill('0.9')
+    await page
+      .locator('.design [role=status]', { hasText: '900' })
+      .or(page.locator('.design [role=status]', { hasText: '0.900' }))
+      .waitFor()
+    expect(meanDifference(before, await picture(page))).toBeGreaterThan(0.3)
+    // The last values of the edit alone are told.
+    await page.getByLabel('From first to last').selectOption('sin2')
+    await page.waitForTimeout(1000)
+    await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
+    await savedFiles(page)
+    expect(await inspected('my-foil')).toMatch(/checksums\s+match/)
+    const sidecar = JSON.parse(await readFile(join(folder, 'my-foil.json'), 'utf8')) as {
+      recipe: unknown
+    }
+    expect(sidecar.recipe).toMatchObject({
+      design: 'edited',
+      from: { map: 'foil-polygons' },
+      edits: [{ kind: 'period', shortest: 0.9, longest: 2, bins: 12, blend: 'sin2' }],
+    })
+    const code = await page.locator('.design code').innerText()
+    expect(code).toContain("Foil.load('/maps/my-foil'")
+    const file = join(folder, 'snippet.ts')
+    await writeFile(file, code)
+    expect(typeErrors(file)).toEqual([])
+    await writeFile(file, code.replace('metal:', 'metall:'))
+    expect(typeErrors(file)).not.toEqual([])
+    expect(complaints).toEqual([])
+  })
+
+  it('says beside a field what is wrong with it, and keeps the last good foil', async () => {
+    const { page } = await design('', 820, 420)
+    await makePolygons(page)
+    const before = await picture(page)
+    const refused = async (label: string, text: string, expected: RegExp): Promise<void> => {
+      const field = page.locator('.design').getByLabel(label, { exact: true })
+      const good = await field.inputValue()
+      await field.fill(text)
+      await page
+        .locator('.field', { has: page.getByLabel(label, { exact: true }) })
+        .locator('.field-error', { hasText: expected })
+        .waitFor()
+      expect(await field.getAttribute('aria-invalid')).toBe('true')
+      await field.fill(good)
+      await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
+      expect(await field.getAttribute('aria-invalid')).toBe('false')
+    }
+    await refused('Longest period', '1', /above the shortest, 1.2 µm/)
+    await refused('Size of a shape', '20', /two texels to half the tile/)
+    await refused('Seed', '1.5', /a whole number/)
+    await refused('Texels a side', 'many', /a number from 16 to 1024/)
+    // The profile's own table sets this bound.
+    await refused('Relief height', '2', /at most 0\.6/)
+    expect(await page.locator('#banner').isVisible()).toBe(false)
+    expect(meanDifference(before, await picture(page))).toBeLessThan(0.1)
+  })
+
+  it('makes the same foil of the same seed', async () => {
+    const { page } = await design('?scene=vase', 820, 420)
+    await makePolygons(page)
+    const one = await savedFiles(page)
+    await page.getByRole('button', { name: 'Another seed' }).click()
+    await page.waitForTimeout(1000)
+    await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
+    const other = await savedFiles(page)
+    await page.getByLabel('Seed', { exact: true }).fill('1')
+    await page.waitForTimeout(1000)
+    await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
+    const again = await savedFiles(page)
+    const image = 'my-foil.grating.png'
+    expect(again[image]).toEqual(one[image])
+    expect(other[image]).not.toEqual(one[image])
+  })
+
+  it('fits a phone', async () => {
+    const { page } = await design('', 360, 740)
+    for (const way of ['Strewn shapes', 'Periods by orientation']) {
+      await page.getByLabel(way).check()
+      await page.getByRole('button', { name: 'Make the foil' }).scrollIntoViewIfNeeded()
+      const { over, small } = await dockLayout(page)
+      expect(over).toBeLessThanOrEqual(0)
+      expect(small).toEqual([])
+    }
+    await page.keyboard.press('Escape')
+    expect(await page.locator('#dock').isVisible()).toBe(false)
+  })
+})
