@@ -40,6 +40,38 @@ export function run(command, args, { timeout, env = {} } = {}) {
 }
 
 /**
+ * Runs a program in the repository's folder and keeps what it prints.
+ *
+ * @param {string} command
+ * @param {string[]} args
+ * @param {{ timeout?: number, env?: Record<string, string>, shell?: boolean }} [options] timeout in ms
+ * @returns {Promise<{ passed: boolean, output: string, problem: string }>} whether it ended with status 0, and how it
+ *   ended otherwise
+ */
+export function collect(command, args, { timeout, env = {}, shell = false } = {}) {
+  let output = ''
+  return new Promise((resolve) => {
+    const child = spawn(command, args, {
+      cwd: root,
+      stdio: ['ignore', 'pipe', 'pipe'],
+      env: { ...process.env, PYTHONUTF8: '1', ...env },
+      timeout,
+      shell,
+    })
+    for (const stream of [child.stdout, child.stderr]) {
+      stream.setEncoding('utf8').on('data', (text) => (output += text))
+    }
+    child.on('error', (error) => {
+      resolve({ passed: false, output, problem: error.message })
+    })
+    child.on('close', (status, signal) => {
+      const problem = status === 0 ? '' : `ended with ${signal ?? `status ${status}`}`
+      resolve({ passed: status === 0, output, problem })
+    })
+  })
+}
+
+/**
  * Runs a chatty program: prints its title and the time that has passed, and its output only if it fails.
  *
  * @param {string} title what is being done
@@ -53,26 +85,9 @@ export async function runQuietly(title, command, args, { env = {}, shell = false
   const heartbeat = setInterval(() => {
     console.log(`  still at it after ${elapsed(start)}`)
   }, 15_000)
-  let output = ''
-  const problem = await new Promise((resolve) => {
-    const child = spawn(command, args, {
-      cwd: root,
-      stdio: ['ignore', 'pipe', 'pipe'],
-      env: { ...process.env, ...env },
-      shell,
-    })
-    for (const stream of [child.stdout, child.stderr]) {
-      stream.setEncoding('utf8').on('data', (text) => (output += text))
-    }
-    child.on('error', (error) => {
-      resolve(error.message)
-    })
-    child.on('close', (status, signal) => {
-      resolve(status === 0 ? '' : `ended with ${signal ?? `status ${status}`}`)
-    })
-  })
+  const { passed, output, problem } = await collect(command, args, { env, shell })
   clearInterval(heartbeat)
-  if (problem) {
+  if (!passed) {
     console.error(output.trimEnd())
     throw new SetupError(`${title}: ${[command, ...args].join(' ')} ${problem}`)
   }

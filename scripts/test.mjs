@@ -4,7 +4,7 @@
  */
 import { join } from 'node:path'
 
-import { elapsed, installedFile, root, run, SetupError } from './process.mjs'
+import { collect, elapsed, installedFile, root, run, SetupError } from './process.mjs'
 import { venvProgram } from './python.mjs'
 import {
   ensureBrowser,
@@ -34,7 +34,8 @@ const vitest = (project) => node('vitest/vitest.mjs', 'run', '--project', projec
 
 const everything = [ensureNodePackages, ensurePython, ensureMaps, ensureBrowser, ensureDemoPage]
 
-const checks = [
+/** What reads sources alone, each in one process; they run side by side. */
+const readings = [
   { name: 'python lint', needs: [ensurePython], command: python('ruff', 'check', '.') },
   {
     name: 'python format',
@@ -53,6 +54,10 @@ const checks = [
     command: node('prettier/bin/prettier.cjs', '--check', '.'),
   },
   { name: 'web types', needs: [ensureNodePackages], command: node('typescript/bin/tsc') },
+]
+
+/** What runs the project, one after the other: each uses all cores that there are. */
+const runs = [
   { name: 'build', needs: everything, command: [process.execPath, 'scripts/build.mjs'] },
   {
     name: 'python tests',
@@ -91,20 +96,44 @@ async function meet(needs) {
 }
 
 const words = process.argv.slice(2)
-const chosen = checks.filter(
-  ({ name }) => words.length === 0 || words.some((word) => name.includes(word)),
-)
+
+/** @param {typeof readings} checks */
+function chosen(checks) {
+  return checks.filter(
+    ({ name }) => words.length === 0 || words.some((word) => name.includes(word)),
+  )
+}
+
+/** @type {{ passed: boolean, result: string }[]} */
 const results = []
-for (const { name, needs, command } of chosen) {
+
+/** @param {string} name @param {boolean} passed @param {number} start */
+function conclude(name, passed, start) {
+  const result = `${passed ? 'passed' : 'FAILED'}  ${name}  ${elapsed(start)}`
+  console.log(result)
+  results.push({ passed, result })
+}
+
+const prepared = []
+for (const check of chosen(readings)) prepared.push({ ...check, problem: await meet(check.needs) })
+await Promise.all(
+  prepared.map(async ({ name, command, problem }) => {
+    const start = performance.now()
+    const [program = '', ...args] = command
+    const { passed, output } = problem
+      ? { passed: false, output: problem }
+      : await collect(program, args, { timeout })
+    console.log(`\n▶ ${name}\n${output.trimEnd()}`)
+    conclude(name, passed, start)
+  }),
+)
+for (const { name, needs, command } of chosen(runs)) {
   const problem = await meet(needs)
   console.log(`\n▶ ${name}`)
   if (problem) console.log(problem)
   const start = performance.now()
   const [program = '', ...args] = command
-  const passed = !problem && (await run(program, args, { timeout }))
-  const result = `${passed ? 'passed' : 'FAILED'}  ${name}  ${elapsed(start)}`
-  console.log(result)
-  results.push({ passed, result })
+  conclude(name, !problem && (await run(program, args, { timeout })), start)
 }
 
 const passed = results.filter((result) => result.passed).length
