@@ -44,10 +44,16 @@ it.each(LAYOUTS)(
     await page.keyboard.press('Enter')
     await page.getByRole('alert').waitFor()
     expect(await violations(page)).toEqual([])
+    for (const tool of ['Inspect', 'Design']) {
+      await page.getByRole('button', { name: tool }).click()
+      await page.locator('#dock details, #dock form').first().waitFor()
+      await settle(page)
+      expect(await violations(page)).toEqual([])
+    }
 
     // Planted: text that is hardly seen, and a button without a name.
     await page.evaluate(() => {
-      document.getElementById('caption')!.style.color = '#303238'
+      document.querySelector<HTMLElement>('#dock p')!.style.color = '#303238'
       document.getElementById('share')!.textContent = ''
     })
     const planted = (await violations(page)).map((text) => text.split(':')[0])

@@ -21,7 +21,7 @@ const SUBJECTS = ['card', 'bag', 'note', 'bottle', 'disc', 'vase', 'snake', 'waf
 
 /** Layouts of a telephone and of a desk; drawn with fewer pixels than they have there, for software draws slowly. */
 const LAYOUTS: OpenOptions[] = [
-  { width: 360, height: 740, deviceScaleFactor: 0.5 },
+  { width: 360, height: 740, deviceScaleFactor: 0.4 },
   { width: 1440, height: 800, deviceScaleFactor: 0.2 },
 ]
 

@@ -49,6 +49,8 @@ export function demoPages(): {
     const context = await browser.newContext({
       viewport: { width, height },
       reducedMotion: 'reduce',
+      // A quarter of the pixels: software draws slowly.
+      deviceScaleFactor: 0.5,
       ...others,
     })
     const page = await context.newPage()
