@@ -65,7 +65,9 @@ export interface Feature {
 
 /** What lights ask of the optics: defines that are in or out, and why. */
 export interface LightOptics {
+  /** Defines of the program, true where they are in. */
   defines: Record<string, boolean>
+  /** What that means, and why. */
   features: readonly Feature[]
 }
 
@@ -76,7 +78,7 @@ export interface EnvironmentRefinement {
    * for with the first.
    */
   uniforms: (count: number) => Record<string, IUniform>
-  /** Value of the uniform uEnvironmentStart in a frame; in one that stands alone it is 0. */
+  /** Index of the first node that a frame reads, the uniform uEnvironmentStart; 0 in one that stands alone. */
   start: (frame: RefinementFrame) => number
 }
 
