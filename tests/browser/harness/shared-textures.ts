@@ -164,6 +164,7 @@ export async function countReplacing(description: SurfaceDescription): Promise<R
   material.dispose()
   base.dispose()
   const redrawn = draw()
+  layer.remove()
   for (const mesh of meshes) take(mesh)
   const gone = draw()
   close()
