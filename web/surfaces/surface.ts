@@ -147,6 +147,13 @@ export interface Surface {
    */
   methodsKnown(settings: OpticsSettings): readonly Method[]
   /**
+   * Does what takes long of the optics for those tables, in between frames; they are asked for when it has resolved. Rejects
+   * with a DiffractionError as `optics` throws one.
+   *
+   * @param tables - the maps at those addresses, by the same names
+   */
+  prepare?(tables: Record<string, LoadedMap>, settings: OpticsSettings): Promise<void>
+  /**
    * Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface.
    *
    * @param tables - the maps at those addresses, by the same names
