@@ -2,7 +2,8 @@
 // foil's gratings, FOIL_GRATINGS of them.
 
 // Orientations have no mean, but shares do: what share of a pixel each grating of the foil covers, strength included, is
-// a mean over texels that mip levels hold and texture units filter. Four gratings to a layer.
+// a mean over texels that mip levels hold and texture units filter. Four gratings to a layer. mediump: devices may cut what
+// is read to a half float, 5e-4 of a whole share at most, an eighth of the 8-bit steps in which shares are stored.
 uniform mediump sampler2DArray uFoilShares;
 uniform vec3 uFoilGratings[FOIL_GRATINGS];  // cos θ, sin θ, frequency in 1/µm
 

@@ -1,6 +1,7 @@
 // A map of gratings: orientation, frequency and strength at every texel. How a pixel that covers many texels shows the mean
 // of their radiance depends on how many gratings there are: few have their shares, many are read one by one or in clusters.
-// Without either a pixel shows the nearest texel. Each of the three defines foilPointAt, on a frame that bumps may have bent.
+// Without either a pixel shows the nearest texel, and so does the matt base without DIFFRACTION. Each of the three defines
+// foilPointAt, on a frame that bumps may have bent.
 #include "surface-point.glsl"
 
 uniform vec2 uFoilRepeat;      // tiles along u and v

@@ -13,9 +13,6 @@ afterAll(async () => {
   await harness.close()
 })
 
-/** Materials beside the first one: harness/resources.ts. */
-const MORE = 3
-
 type Options = Omit<MaterialDescription, 'color'>
 
 const grating: SurfaceDescription = { kind: 'grating', period: 1.6, height: 0.1 }
@@ -40,8 +37,59 @@ describe.each<[string, SurfaceDescription, Options]>([
     expect(during.programs).toBeGreaterThan(0)
     expect(after).toEqual(before)
     expect(uploads[0]).toBeGreaterThan(3)
-    // Nodes of the environment are a material's own.
-    expect(uploads[1] / MORE).toBeLessThanOrEqual(4)
+    // The first has the nodes of its refinement since, and with them those of a single frame.
+    expect(uploads[1]).toBeLessThanOrEqual(1)
+    expect(harness.complaints).toEqual([])
+  })
+})
+
+const shared: [string, SurfaceDescription][] = [
+  ['a grating', grating],
+  ['a foil', foil],
+  ['a foil of many gratings', glitter],
+  ['a height field', bumps],
+]
+
+describe.each(shared)('%s that ten materials and layers show', (_name, surface) => {
+  it.each([
+    ['first to last', [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]],
+    ['last to first', [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]],
+    ['in no order', [4, 7, 0, 9, 2, 1, 8, 3, 6, 5]],
+  ])('is uploaded once, and freed with the last of them, %s', async (_order, order) => {
+    const { empty, first, all, rests } = await harness.page.evaluate(
+      (request) => window.harness.countSharing(...request),
+      [surface, order] as [SurfaceDescription, number[]],
+    )
+    const tables = first.textures - empty.textures
+    expect(tables).toBeGreaterThan(3)
+    expect(first.uploads).toBe(tables)
+    const same = { textures: first.textures, uploads: 0 }
+    expect(all).toEqual(same)
+    expect(rests.slice(0, -1)).toEqual(Array.from({ length: 9 }, () => same))
+    expect(rests.at(-1)).toEqual(empty)
+    expect(harness.complaints).toEqual([])
+  })
+})
+
+describe.each(shared.slice(1))('%s in the place of a grating', (_name, surface) => {
+  it('is freed with the next frame once the grating is back, and so is what else is replaced', async () => {
+    const { empty, gratings, one, both, oneBack, bothBack, later, gold, aluminium, redrawn, gone } =
+      await harness.page.evaluate((what) => window.harness.countReplacing(what), surface)
+    expect(gratings.uploads).toBe(gratings.textures - empty.textures)
+    // Some tables are those of both surfaces.
+    expect(one.textures).toBeGreaterThan(gratings.textures)
+    expect(one.uploads).toBe(one.textures - gratings.textures)
+    expect(both.textures).toBeLessThanOrEqual(one.textures)
+    expect(both.uploads).toBe(0)
+    expect(oneBack.uploads).toBe(oneBack.textures - both.textures)
+    const before = { textures: gratings.textures, uploads: 0 }
+    expect(bothBack).toEqual(before)
+    expect(later).toEqual(before)
+    expect(gold.textures).toBeGreaterThan(gratings.textures)
+    expect(gold.uploads).toBe(gold.textures - gratings.textures)
+    expect(aluminium).toEqual(before)
+    expect(redrawn).toEqual(gratings)
+    expect(gone).toEqual(empty)
     expect(harness.complaints).toEqual([])
   })
 })

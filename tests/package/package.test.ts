@@ -19,10 +19,11 @@ import { consumer, installed, root, tarball } from './pack'
 const LIMITS = {
   /** DiffractionMaterial and Grating. */
   material: 25_000,
-  /** What is fetched besides by materials that are rough, or have a `maxError`, and by maps with images. */
+  /** What is fetched besides by materials that are rough, or have a `maxError`, by maps with images, and by height fields. */
   roughEnvironment: 6000,
   errorChoice: 2500,
   png: 1500,
+  environmentSamples: 1000,
   /** What each further export adds. */
   Foil: 8000,
   HeightField: 8000,
@@ -142,6 +143,7 @@ it('is no larger than its limits', async () => {
     roughEnvironment: later['rough-environment'],
     errorChoice: later['error-choice'],
     png: later.png,
+    environmentSamples: (await bundleSizes(surfaces)).later['environment-samples'],
     Foil: await added('Foil'),
     HeightField: await added('HeightField'),
     diffractionLayer: await added('diffractionLayer'),

@@ -1,7 +1,21 @@
 import { describe, expect, it } from 'vitest'
-import { environmentSamples, W_STEPS } from '../../web/height-field/environment-samples'
+import {
+  environmentSamples as samplesInSteps,
+  type EnvironmentSample,
+} from '../../web/height-field/environment-samples'
+import { W_STEPS } from '../../web/height-field/lookups'
+import { reliefSpectrum } from '../../web/height-field/relief-spectrum'
 import type { LoadedMap } from '../../web/maps/load'
 import type { SpectralNode } from '../../web/spectrum/spectral-nodes'
+import { atOnce } from '../../web/steps'
+
+function environmentSamples(
+  relief: LoadedMap,
+  nodes: readonly SpectralNode[],
+  count: number,
+): EnvironmentSample[] {
+  return atOnce(samplesInSteps(reliefSpectrum(relief), nodes, count))
+}
 
 /** (f_x, f_y, deviation) and the power of a cell; the first is order 0. */
 type Cell = [number, number, number, number]

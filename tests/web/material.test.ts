@@ -1,11 +1,17 @@
 import {
+  BufferGeometry,
   EquirectangularReflectionMapping,
   DataTexture,
+  Group,
   LinearFilter,
   LinearMipmapLinearFilter,
+  Mesh,
+  PerspectiveCamera,
   RepeatWrapping,
+  Scene,
   Texture,
   UVMapping,
+  type WebGLRenderer,
 } from 'three'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { DiffractionError } from '../../web/errors'
@@ -56,6 +62,21 @@ function makeMaterial(options: Partial<DiffractionMaterialOptions> = {}): Diffra
 
 const included = (material: DiffractionMaterial, feature: string): boolean | undefined =>
   material.explain().find((entry) => entry.feature === feature)?.included
+
+/** What three calls before it draws a mesh. */
+function beforeDraw(material: DiffractionMaterial): void {
+  const renderer = { info: { render: { frame: 0 } } } as object as WebGLRenderer
+  const geometry = new BufferGeometry()
+  const mesh = new Mesh(geometry, material)
+  material.onBeforeRender(
+    renderer,
+    new Scene(),
+    new PerspectiveCamera(),
+    geometry,
+    mesh,
+    new Group(),
+  )
+}
 
 describe('loading', () => {
   it('makes nothing for an environment before there is one', async () => {
@@ -231,30 +252,49 @@ describe('setters', () => {
     }
   })
 
-  it('frees the small tables of settings that are gone', async () => {
+  it('frees the tables of settings that are gone with the next frame', async () => {
     const material = makeMaterial()
     await material.ready
-    const before = material.uniforms.uLightNodes!.value as Texture
-    const dispose = vi.fn()
-    before.addEventListener('dispose', dispose)
+    beforeDraw(material)
+    const freed = disposals(material, ['uLightNodes', 'uLobeTable', 'uEfficiencyTable'])
     material.metal = 'copper'
-    expect(dispose).toHaveBeenCalledOnce()
+    expect(freed).toEqual([])
+    beforeDraw(material)
+    expect(freed.sort()).toEqual(['uLightNodes', 'uLobeTable'])
   })
 
-  it('frees what a foil brings, bumps among it, when it is disposed of', async () => {
+  it('frees what a foil brings, bumps among it, when the last who drew it is disposed of', async () => {
     const normal = { pixels: new Uint8Array(4), size: [1, 1] as [number, number] }
     serve({ foil: fakeFoil(undefined, undefined, normal) })
-    const material = makeMaterial({ surface: await Foil.load(`${mapsPath}foil`) })
-    await material.ready
-    expect(included(material, 'bumps')).toBe(true)
+    const surface = await Foil.load(`${mapsPath}foil`)
+    const [one, other, notDrawn] = [1, 2, 3].map(() => makeMaterial({ surface })) as [
+      DiffractionMaterial,
+      DiffractionMaterial,
+      DiffractionMaterial,
+    ]
+    await Promise.all([one.ready, other.ready, notDrawn.ready])
+    expect(included(one, 'bumps')).toBe(true)
+    beforeDraw(one)
+    beforeDraw(other)
+    const names = ['uFoilMap', 'uFoilNormal', 'uFoilShares']
+    const freed = disposals(one, names)
+    notDrawn.dispose()
+    one.dispose()
+    one.dispose()
+    expect(freed).toEqual([])
+    other.dispose()
+    expect(freed.sort()).toEqual(names)
+  })
+
+  /** The names of uniforms whose textures are disposed of from now on. */
+  function disposals(material: DiffractionMaterial, names: readonly string[]): string[] {
     const freed: string[] = []
-    for (const name of ['uFoilMap', 'uFoilNormal', 'uFoilShares'])
+    for (const name of names)
       (material.uniforms[name]!.value as Texture).addEventListener('dispose', () => {
         freed.push(name)
       })
-    material.dispose()
-    expect(freed.sort()).toEqual(['uFoilMap', 'uFoilNormal', 'uFoilShares'])
-  })
+    return freed
+  }
 })
 
 describe('the environment', () => {

@@ -1,9 +1,7 @@
-import { texelFromParameter } from '../maps/axes.ts'
-import { arrayOf, valuesOf, type LoadedMap } from '../maps/load.ts'
 import type { SpectralNode } from '../spectrum/spectral-nodes.ts'
-
-/** Steps of w = cosθ_i + cosθ_o, from 0 to 2, at which a sample's colour is stored. */
-export const W_STEPS = 33
+import type { Steps } from '../steps.ts'
+import { W_STEPS } from './lookups.ts'
+import type { CellPower, ReliefSpectrum } from './relief-spectrum.ts'
 
 /**
  * Light is lit and seen at less than grazing angles where most of it is seen: samples are shared out by what lines take
@@ -52,64 +50,48 @@ interface Cluster {
  * line and wavelength it came from. Whichever sample has the largest weight times deviation is halved next,
  * across its longest axis.
  *
- * @param relief - a map with the arrays `places` and `powers`; its first cell is order 0, which has the first sample
+ * @param spectrum - its first cell is order 0, which has the first sample
  * @param nodes - bands of the light's spectrum, seen in the metal
  * @param count - samples at most, 2 or more
  */
-export function environmentSamples(
-  relief: LoadedMap,
+export function* environmentSamples(
+  spectrum: ReliefSpectrum,
   nodes: readonly SpectralNode[],
   count: number,
-): EnvironmentSample[] {
-  const power = cellPowers(relief)
-  const [mirror, scattered] = pointsOf(relief, nodes, power)
+): Steps<EnvironmentSample[]> {
+  const { power } = spectrum
+  const [mirror, scattered] = yield* pointsOf(spectrum, nodes)
   const clusters = scattered.length > 0 ? [clusterOf(scattered)] : []
   while (clusters.length < count - 1) {
     const widest = indexOfWidest(clusters)
     if (widest === null) break
     clusters.splice(widest, 1, ...halves(clusters[widest]!).map(clusterOf))
+    yield
   }
-  return [clusterOf(mirror), ...clusters].map(({ points, x, y, spread }) => ({
-    place: [x, y],
-    deviation: Math.sqrt(spread / 2),
-    colors: colorsOf(points, power),
-  }))
-}
-
-/** Power of a cell at p = w/λ, linear between the map's samples. */
-type CellPower = (cell: number, p: number) => number
-
-function cellPowers(relief: LoadedMap): CellPower {
-  const array = arrayOf(relief, 'powers')
-  const axis = array.spec.axes[1]!
-  const values = valuesOf(array)
-  return (cell, p) => {
-    const texel = Math.min(texelFromParameter(axis, p), axis.size - 1)
-    const low = Math.min(Math.floor(texel), axis.size - 2)
-    const at = cell * axis.size + low
-    return values[at]! + (values[at + 1]! - values[at]!) * (texel - low)
+  const samples: EnvironmentSample[] = []
+  for (const { points, x, y, spread } of [clusterOf(mirror), ...clusters]) {
+    samples.push({
+      place: [x, y],
+      deviation: Math.sqrt(spread / 2),
+      colors: colorsOf(points, power),
+    })
+    yield
   }
+  return samples
 }
 
 /** Order 0 in all bands, and every other cell in each. */
-function pointsOf(
-  relief: LoadedMap,
+function* pointsOf(
+  { places, power }: ReliefSpectrum,
   nodes: readonly SpectralNode[],
-  power: CellPower,
-): [Point[], Point[]] {
-  const array = arrayOf(relief, 'places')
-  const [cells, channels] = array.spec.shape as [number, number]
-  const values = valuesOf(array)
-  const points = nodes.flatMap((node) => {
+): Steps<[Point[], Point[]]> {
+  const points: Point[] = []
+  for (const node of nodes) {
+    yield
     const { wavelength, bandwidth, tints } = node
     const brightness = tints.reduce((sum, value) => sum + value, 0)
-    return Array.from({ length: cells }, (_, cell): Point => {
-      const [x, y, deviation] = values.subarray(cell * channels) as unknown as [
-        number,
-        number,
-        number,
-      ]
-      return {
+    for (const [cell, [x, y, deviation]] of places.entries()) {
+      points.push({
         x: wavelength * x,
         y: wavelength * y,
         // The band moves it along a stretch, of which 1/√12 is the deviation.
@@ -117,9 +99,9 @@ function pointsOf(
         weight: brightness * meanPower(power, cell, wavelength),
         cell,
         node,
-      }
-    })
-  })
+      })
+    }
+  }
   return [
     points.filter(({ cell }) => cell === 0),
     // Places beyond 2 are below the horizon from wherever one looks.

@@ -1,28 +1,23 @@
 import { DataTexture, DataUtils, HalfFloatType, RGBAFormat } from 'three'
+import { LazyCode } from '../lazy-code.ts'
 import type { LoadedMap } from '../maps/load.ts'
-import { filtered, sharedTexture } from '../maps/shared-texture.ts'
+import { filtered, sharedInSteps } from '../maps/shared-texture.ts'
 import { metalReflectance } from '../spectrum/metal-reflectance.ts'
 import { spectralNodes } from '../spectrum/spectral-nodes.ts'
+import type { Steps } from '../steps.ts'
 import type { Metal } from '../surfaces/surface.ts'
-import { environmentSamples, W_STEPS, type EnvironmentSample } from './environment-samples.ts'
+import type { EnvironmentSample } from './environment-samples.ts'
+import { lookups, W_STEPS } from './lookups.ts'
+import { reliefSpectrum } from './relief-spectrum.ts'
 
-/** Lookups of the environment for each of a material's nodes. */
-const LOOKUPS_PER_NODE = 16
-
-/** What every WebGL 2 can hold along one side of a texture. */
-const MAX_LOOKUPS = 2048
-
-/** Lookups at most: fewer where a relief has fewer lines. */
-export function lookups(environmentNodes: number): number {
-  return Math.min(LOOKUPS_PER_NODE * environmentNodes, MAX_LOOKUPS)
-}
+export const samplesCode = new LazyCode(() => import('./environment-samples.ts'))
 
 /** Bands of the spectrum that samples are put together from. */
 const BANDS = 32
 
 /**
  * The samples of shaders/environment-samples.glsl, a row each: colours over w in light of the red, green and blue basis side by side,
- * then a texel of middle (x, y) and deviation. Made once for all materials that agree on the arguments.
+ * then a texel of middle (x, y) and deviation. Made once for all materials that agree on the arguments, when `samplesCode` has come.
  *
  * @param metal - null: a perfect mirror
  */
@@ -32,15 +27,17 @@ export function environmentTexture(
   metals: LoadedMap,
   metal: Metal | null,
   environmentNodes: number,
-): DataTexture {
+): Steps<DataTexture> {
   const count = lookups(environmentNodes)
-  return sharedTexture(relief, `samples ${lobes.url} ${metal ?? 'mirror'} ${count}`, () => {
+  const name = `samples ${lobes.url} ${metal ?? 'mirror'} ${count}`
+  return sharedInSteps(relief, name, function* () {
     const reflectance = metal === null ? () => 1 : metalReflectance(metals, metal)
     const nodes = spectralNodes(lobes, BANDS, 'weighted').map((node) => ({
       ...node,
       tints: node.tints.map((value) => value * reflectance(node.wavelength)),
     }))
-    return samplesTexture(environmentSamples(relief, nodes, count))
+    const { environmentSamples } = samplesCode.code!
+    return samplesTexture(yield* environmentSamples(reliefSpectrum(relief), nodes, count))
   })
 }
 

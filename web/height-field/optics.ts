@@ -1,12 +1,13 @@
 import type { IUniform } from 'three'
 import type { LoadedMap } from '../maps/load.ts'
 import { spectrumOptics } from '../spectrum/spectrum-optics.ts'
-import type { Feature, LightOptics, Optics, OpticsSettings } from '../surfaces/surface.ts'
+import { atOnce, bitByBit } from '../steps.ts'
+import type { Feature, LightOptics, Metal, Optics, OpticsSettings } from '../surfaces/surface.ts'
 import { bakedPattern } from './baked-pattern.ts'
 import type { Tiles } from './cut-window.ts'
-import { W_STEPS } from './environment-samples.ts'
-import { environmentTexture, lookups } from './environment-texture.ts'
+import { environmentTexture, samplesCode } from './environment-texture.ts'
 import { lineSpectrum } from './line-spectrum.ts'
+import { lookups, W_STEPS } from './lookups.ts'
 
 /** The maps that a height field's optics read. */
 export interface HeightFieldMaps {
@@ -23,6 +24,22 @@ export interface Pattern {
   underLights: (angularRadius: number) => LightOptics
 }
 
+/** Makes what an environment reads, in between frames: only a frame tells whether there is one, and is no time for such work. */
+export async function prepareEnvironment(
+  { relief, lobes, metals }: HeightFieldMaps,
+  settings: OpticsSettings,
+  isDielectric: boolean,
+): Promise<void> {
+  await samplesCode.load()
+  const metal = metalOf(settings, isDielectric)
+  await bitByBit(environmentTexture(relief, lobes, metals, metal, settings.environmentNodes))
+}
+
+/** Null: a perfect mirror. Relative to a flat surface of the same metal, its reflectance cancels. */
+function metalOf({ energy, metal }: OpticsSettings, isDielectric: boolean): Metal | null {
+  return energy === 'relative' || isDielectric ? null : metal
+}
+
 /**
  * Defines and uniforms of shaders/height-field.glsl.
  *
@@ -37,8 +54,7 @@ export function heightFieldOptics(
 ): Optics {
   const { method, energy, environmentNodes, roughness } = settings
   const isRelative = energy === 'relative'
-  // Relative to a flat surface of the same metal, its reflectance cancels.
-  const metal = isRelative || isDielectric ? null : settings.metal
+  const metal = metalOf(settings, isDielectric)
   const pattern =
     method === 'baked'
       ? bakedPattern(relief, settings, isDielectric, tiles)
@@ -62,7 +78,7 @@ export function heightFieldOptics(
     environmentRefinement: null,
     environmentUniforms: () => ({
       uEnvironmentSamples: {
-        value: environmentTexture(relief, lobes, metals, metal, environmentNodes),
+        value: atOnce(environmentTexture(relief, lobes, metals, metal, environmentNodes)),
       },
     }),
     features: [

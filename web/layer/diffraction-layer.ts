@@ -27,7 +27,7 @@ import { layeredFragment } from './layer-shader.ts'
 const NAME = 'diffractionLayer'
 
 /** What a layer can be made on; MeshPhysicalMaterial is one of them. */
-type BaseMaterial = MeshStandardMaterial | MeshPhysicalMaterial
+export type BaseMaterial = MeshStandardMaterial | MeshPhysicalMaterial
 
 interface Marks {
   isMeshStandardMaterial: boolean

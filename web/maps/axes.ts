@@ -4,18 +4,24 @@
  */
 
 export const MAPPINGS = ['linear', 'square', 'log'] as const
+/** How the parameter grows from texel to texel: evenly, or as the square or the exponential of what does. */
 export type Mapping = (typeof MAPPINGS)[number]
 
+/** What varies along an array's axis, and where its texels lie. */
 export interface Axis {
   /** What varies along the axis. */
   name: string
+  /** Its symbol. */
   symbol: string
+  /** Its unit, as in 'rad'; '1' where it has none. */
   unit: string
   /** Number of texels. */
   size: number
+  /** How the parameter grows from texel to texel. */
   mapping: Mapping
-  /** Parameter at the first and at the last texel, in `unit`. */
+  /** Parameter at the first texel, in `unit`. */
   first: number
+  /** Parameter at the last texel, in `unit`. */
   last: number
 }
 

@@ -1,4 +1,5 @@
 import { LinearFilter, NearestFilter, type Texture } from 'three'
+import type { Steps } from '../steps.ts'
 import type { LoadedMap } from './load.ts'
 
 const made = new WeakMap<LoadedMap, Map<string, Texture>>()
@@ -10,6 +11,19 @@ export function sharedTexture<T extends Texture>(map: LoadedMap, name: string, m
   let texture = textures.get(name)
   if (texture === undefined) textures.set(name, (texture = make()))
   return texture as T
+}
+
+/** Likewise, of what takes long to make. */
+export function* sharedInSteps<T extends Texture>(
+  map: LoadedMap,
+  name: string,
+  make: () => Steps<T>,
+): Steps<T> {
+  const known = made.get(map)?.get(name)
+  if (known !== undefined) return known as T
+  const texture = yield* make()
+  // Another material may have been first, while this one waited.
+  return sharedTexture(map, name, () => texture)
 }
 
 /** Texels as they are, without blending between them. */

@@ -13,6 +13,7 @@ export const MAP_KINDS = [
   'height-field-terms',
   'height-field-baked',
 ] as const
+/** What a map holds. */
 export type MapKind = (typeof MAP_KINDS)[number]
 
 /** Shipped sidecars have 16 kB. */
@@ -21,18 +22,22 @@ export const MAX_SIDECAR_BYTES = 2 ** 18
 const MAX_ARRAY_BYTES = 2 ** 28
 
 export const DTYPES = ['float16', 'float32', 'uint8'] as const
+/** How numbers are stored: as halves, as floats, or as bytes of an image. */
 export type Dtype = (typeof DTYPES)[number]
 
 const BYTES_PER_ELEMENT: Record<Dtype, number> = { float16: 2, float32: 4, uint8: 1 }
 
 /** One array of a map: slowest axis first, channels last. */
 export interface ArraySpec {
+  /** How its numbers are stored. */
   dtype: Dtype
+  /** Number of elements along each axis, and of channels. */
   shape: number[]
   /** The named axes; an image has none, its rows and columns are the surface itself. */
   axes: Axis[]
+  /** What each channel holds. */
   channels: string[]
-  /** Images of 8 bits: value = offset + scale · texel/255, one pair a channel. */
+  /** Images of 8 bits: value = offset + scale · texel/255, one pair a channel; else null. */
   decode: [number, number][] | null
 }
 
@@ -45,13 +50,19 @@ export interface ArrayFile {
 
 /** What a map says of itself; `Place` is where the bytes of its arrays are. */
 export interface Sidecar<Place = unknown> {
+  /** By which such a file is told from others. */
   format: typeof MAP_FORMAT
+  /** Version of the format. */
   version: typeof MAP_VERSION
+  /** What the map holds. */
   kind: MapKind
+  /** What its numbers are, in words. */
   quantity: string
+  /** The quantity's symbol. */
   symbol: string
+  /** What is said of each array, by its name. */
   arrays: Record<string, ArraySpec & Place>
-  /** Numbers that go with the arrays; a single one is a list of one. */
+  /** Numbers that go with the arrays: lengths in µm (`tile_mm` in mm), angles and phases in rad; a single one is a list of one. */
   constants: Record<string, number[]>
   /** The recipe the map was baked from, as it was given. */
   recipe: Record<string, unknown>

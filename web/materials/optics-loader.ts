@@ -46,7 +46,8 @@ export class OpticsLoader {
       this.error = null
     } else {
       this.state = 'loading'
-      loading = Promise.all([this.#load(wanted), code]).then(([tables]) => {
+      loading = Promise.all([this.#load(wanted), code]).then(async ([tables]) => {
+        if (request === this.#request) await surface.prepare?.(tables, settings)
         // A later request has its own tables.
         if (request !== this.#request) return
         const optics = surface.optics(tables, settings)

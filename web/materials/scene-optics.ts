@@ -1,7 +1,6 @@
 import {
   Matrix3,
   Matrix4,
-  Texture,
   type BufferGeometry,
   type Camera,
   type Euler,
@@ -9,6 +8,7 @@ import {
   type Object3D,
   type Scene,
   type Side,
+  type Texture,
   type WebGLRenderer,
 } from 'three'
 import { environmentMap, type EnvironmentMap } from '../environment/environment-map.ts'
@@ -27,6 +27,7 @@ import type { Defines } from './defines.ts'
 import { describeScene } from './features.ts'
 import type { OpticsLoader } from './optics-loader.ts'
 import { sceneLights } from './scene-lights.ts'
+import { UsedTextures } from './used-textures.ts'
 
 const rotationMatrix = new Matrix4()
 /** Cube textures that were not rendered keep the left-handed axes of their images. */
@@ -64,7 +65,10 @@ export class SceneOptics {
   #version = 0
   #isOn = true
   #opticsDefines: string[] = []
-  readonly #opticsUniforms = new Set<string>()
+  #opticsUniforms: Record<string, IUniform> = {}
+  readonly #textures = new UsedTextures()
+  /** Whether a draw may need other textures than the one before. */
+  #hasOtherTextures = false
   /** Whether the environment's uniforms of the optics are still to be made. */
   #lacksEnvironment = false
   /** Whether the last frame drawn was one of a refinement. */
@@ -116,6 +120,8 @@ export class SceneOptics {
     this.defines.setAll(surface.defines)
     if (!isNew) return
     Object.assign(this.uniforms, surface.uniforms)
+    this.#opticsUniforms = {}
+    this.#hasOtherTextures = true
     this.#optics = null
     this.#lacksEnvironment = false
     this.defines.set('DIFFRACTION', false)
@@ -130,6 +136,7 @@ export class SceneOptics {
     this.#lacksEnvironment = true
     this.#refinementFrames = 0
     this.#largestRadius = -1
+    this.#opticsUniforms = {}
     this.#takeUniforms(optics.uniforms)
     this.defines.setAll(optics.defines)
     this.defines.set('DIFFRACTION', this.#isOn)
@@ -139,6 +146,7 @@ export class SceneOptics {
   follow(draw: SceneDraw): void {
     this.#followLights(draw)
     const environment = this.#followEnvironment(draw)
+    if (this.#hasOtherTextures) this.#useTextures()
     this.#followRoughness(draw, environment)
   }
 
@@ -157,22 +165,24 @@ export class SceneOptics {
     })
   }
 
-  /** Frees the textures of surface, optics and environment; who still shows a shared one uploads it again. */
+  /** Frees the textures of surface, optics and environment that nobody else shows. */
   dispose(): void {
     this.#rough?.dispose()
-    for (const name of this.#opticsUniforms) disposeTexture(this.uniforms[name]?.value)
-    for (const { value } of Object.values(this.#surface.uniforms)) disposeTexture(value)
+    this.#textures.use([])
+    this.#hasOtherTextures = true
   }
 
   #takeUniforms(uniforms: Record<string, IUniform>): void {
-    for (const [name, { value }] of Object.entries(uniforms)) {
-      const uniform = (this.uniforms[name] ??= { value: null })
-      // Frees small tables made for these settings alone. Where a shared one goes too, whoever still shows it
-      // uploads it again with the next frame.
-      if (uniform.value !== value) disposeTexture(uniform.value)
-      uniform.value = value as unknown
-      this.#opticsUniforms.add(name)
-    }
+    for (const [name, { value }] of Object.entries(uniforms))
+      (this.uniforms[name] ??= { value: null }).value = value as unknown
+    Object.assign(this.#opticsUniforms, uniforms)
+    this.#hasOtherTextures = true
+  }
+
+  /** In a draw, where textures are uploaded: a material that is never drawn, nor disposed of, keeps none alive. */
+  #useTextures(): void {
+    this.#textures.use(Object.values({ ...this.#surface.uniforms, ...this.#opticsUniforms }))
+    this.#hasOtherTextures = false
   }
 
   #followLights({ renderer, scene, camera, lightRadius }: SceneDraw): void {
@@ -277,8 +287,4 @@ function whyNotRough({ roughness, method }: OpticsSettings): RoughReasons {
 /** What is drawn can be a mere mesh or group, without an environment. */
 function environmentOf(scene: Partial<Scene>): Texture | null {
   return scene.environment ?? null
-}
-
-function disposeTexture(value: unknown): void {
-  if (value instanceof Texture) value.dispose()
 }

@@ -2,7 +2,7 @@ import type { Object3D } from 'three'
 
 /** One of the frames whose mean is the picture. */
 export interface RefinementFrame {
-  /** From 0. */
+  /** Its index, from 0. */
   index: number
   /** How many there are, a power of 2. */
   count: number

@@ -1,5 +1,5 @@
 import type { LoadedMap } from '../maps/load.ts'
-import { atOnce, type Steps } from '../steps.ts'
+import type { Steps } from '../steps.ts'
 import { foilClusters, type FoilClusters } from './foil-clusters.ts'
 import { foilGratings, type FoilGratings } from './foil-gratings.ts'
 import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares.ts'
@@ -9,7 +9,7 @@ import { foilShares, MOST_GRATINGS, type FoilShares } from './foil-shares.ts'
  * environment, which is smooth in orientation, where it covers more than one. Periods that differ take clusters of their own.
  * Cells are counted along the map's longer side; the two take at most 12 or 23, and 13 MB, mip levels included.
  */
-export const CLUSTERS = {
+const CLUSTERS = {
   underLights: { onePeriod: 64, periods: 128, cells: 128 },
   underEnvironment: { clusters: 16, cells: 256 },
 }
@@ -17,7 +17,7 @@ export const CLUSTERS = {
 /** How pixels show the mean of the many texels that they cover. */
 export type FoilMean =
   | ({ kind: 'shares' } & FoilShares)
-  | { kind: 'clusters'; underLights: FoilClusters; underEnvironment: () => FoilClusters }
+  | { kind: 'clusters'; underLights: FoilClusters; underEnvironment: FoilClusters }
 
 /** What all foils that show a map have in common. */
 export interface FoilContents {
@@ -61,12 +61,15 @@ function* foilMean(
   if (count <= MOST_GRATINGS) return { kind: 'shares', ...(yield* foilShares(gratings)) }
   const { underLights, underEnvironment } = CLUSTERS
   const most = Math.min(count, isOnePeriod(periods) ? underLights.onePeriod : underLights.periods)
-  let arcs: FoilClusters | undefined
+  // Only a frame tells whether there is an environment, and is no time for such work.
   return {
     kind: 'clusters',
     underLights: yield* foilClusters(gratings, most, underLights.cells),
-    underEnvironment: () =>
-      (arcs ??= atOnce(foilClusters(gratings, underEnvironment.clusters, underEnvironment.cells))),
+    underEnvironment: yield* foilClusters(
+      gratings,
+      underEnvironment.clusters,
+      underEnvironment.cells,
+    ),
   }
 }
 

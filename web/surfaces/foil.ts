@@ -9,7 +9,7 @@ import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load.ts
 import { imageTexture, smoothImageTexture } from '../maps/image-texture.ts'
 import { floatLiteral } from '../glsl/float-literal.ts'
 import { atOnce, bitByBit } from '../steps.ts'
-import { CLUSTERS, foilContents, isOnePeriod, type FoilMean } from './foil-contents.ts'
+import { foilContents, isOnePeriod, type FoilMean } from './foil-contents.ts'
 import { MOST_GRATINGS } from './foil-shares.ts'
 import { GratingSurface } from './grating-surface.ts'
 import type { Optics, OpticsSettings } from './surface.ts'
@@ -149,7 +149,7 @@ export class Foil extends GratingSurface {
           uFoilGratings: { value: mean.gratings },
         },
       }
-    const { underLights } = mean
+    const { underLights, underEnvironment } = mean
     const [low, high] = [1 / this.periodRange[1], 1 / this.periodRange[0]]
     const onePeriod = isOnePeriod(this.periodRange)
     return {
@@ -160,7 +160,7 @@ export class Foil extends GratingSurface {
         GRATING_SPREAD: '',
         ...(!this.isPartial && { FOIL_WHOLE: '' }),
         FOIL_CLUSTERS: underLights.count,
-        FOIL_ARC_CLUSTERS: CLUSTERS.underEnvironment.clusters,
+        FOIL_ARC_CLUSTERS: underEnvironment.count,
         FOIL_FREQUENCY: floatLiteral((low + high) / 2),
         FOIL_FREQUENCY_RANGE: floatLiteral(Math.max(high - low, 1e-6)),
         FOIL_TURN_BINS: onePeriod ? 6 : 4,
@@ -170,14 +170,8 @@ export class Foil extends GratingSurface {
         ...optics.uniforms,
         uFoilClusters: { value: underLights.texture },
         uFoilReach: { value: underLights.reach },
-      },
-      environmentUniforms: () => {
-        const { texture, reach } = mean.underEnvironment()
-        return {
-          ...optics.environmentUniforms(),
-          uFoilArcClusters: { value: texture },
-          uFoilArcReach: { value: reach },
-        }
+        uFoilArcClusters: { value: underEnvironment.texture },
+        uFoilArcReach: { value: underEnvironment.reach },
       },
     }
   }

@@ -4,7 +4,11 @@ import { DiffractionError } from '../errors.ts'
 import { heightFieldShaders } from '../glsl/height-field-shaders.ts'
 import { expectKinds, type LoadedMap } from '../maps/load.ts'
 import { unlikeBaked } from '../height-field/baked-pattern.ts'
-import { heightFieldOptics } from '../height-field/optics.ts'
+import {
+  heightFieldOptics,
+  prepareEnvironment,
+  type HeightFieldMaps,
+} from '../height-field/optics.ts'
 import { spectrumUrls } from '../spectrum/spectrum-maps.ts'
 import { within } from '../validation.ts'
 import type { Tiles } from '../height-field/cut-window.ts'
@@ -148,14 +152,22 @@ export class HeightField implements Surface {
     )
   }
 
+  prepare(tables: Record<string, LoadedMap>, settings: OpticsSettings): Promise<void> {
+    return prepareEnvironment(this.#mapsOf(tables, settings), settings, this.#isDielectric)
+  }
+
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
-    const maps = expectKinds(this.name, tables, {
-      relief: settings.method === 'baked' ? 'height-field-baked' : 'height-field-terms',
+    const maps = this.#mapsOf(tables, settings)
+    this.#learn(maps.relief)
+    return heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
+  }
+
+  #mapsOf(tables: Record<string, LoadedMap>, { method }: OpticsSettings): HeightFieldMaps {
+    return expectKinds(this.name, tables, {
+      relief: method === 'baked' ? 'height-field-baked' : 'height-field-terms',
       lobes: 'lobes',
       metals: 'metals',
     })
-    this.#learn(maps.relief)
-    return heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
   }
 
   /** A recipe says which methods have maps: materials that choose one look again. */

@@ -65,7 +65,9 @@ export interface Feature {
 
 /** What lights ask of the optics: defines that are in or out, and why. */
 export interface LightOptics {
+  /** Defines of the program, true where they are in. */
   defines: Record<string, boolean>
+  /** What that means, and why. */
   features: readonly Feature[]
 }
 
@@ -76,7 +78,7 @@ export interface EnvironmentRefinement {
    * for with the first.
    */
   uniforms: (count: number) => Record<string, IUniform>
-  /** Value of the uniform uEnvironmentStart in a frame; in one that stands alone it is 0. */
+  /** Index of the first node that a frame reads, the uniform uEnvironmentStart; 0 in one that stands alone. */
   start: (frame: RefinementFrame) => number
 }
 
@@ -144,6 +146,13 @@ export interface Surface {
    * tables.
    */
   methodsKnown(settings: OpticsSettings): readonly Method[]
+  /**
+   * Does what takes long of the optics for those tables, in between frames; they are asked for when it has resolved. Rejects
+   * with a DiffractionError as `optics` throws one.
+   *
+   * @param tables - the maps at those addresses, by the same names
+   */
+  prepare?(tables: Record<string, LoadedMap>, settings: OpticsSettings): Promise<void>
   /**
    * Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface.
    *

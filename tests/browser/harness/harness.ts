@@ -7,6 +7,7 @@ import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
 import { countResources, drawRestored, type RestoredReport } from './resources'
 import type { SceneDescription } from './scene-description'
+import { countReplacing, countSharing } from './shared-textures'
 import {
   drawSets,
   type StabilityProgram,
@@ -37,6 +38,10 @@ export interface Harness {
   countCompilations: typeof countCompilations
   /** Counts WebGL's objects while a surface is drawn, and after. */
   countResources: typeof countResources
+  /** Counts textures and uploads while materials that share tables come and go. */
+  countSharing: typeof countSharing
+  /** Likewise while a surface takes another's place. */
+  countReplacing: typeof countReplacing
   /** Pictures before a context is lost and after it is restored. */
   drawRestored: (
     ...request: Parameters<typeof drawRestored>
@@ -95,6 +100,8 @@ window.harness = {
   },
   countCompilations,
   countResources,
+  countSharing,
+  countReplacing,
   drawRestored: async (...request) => {
     const { before, after, lit } = await drawRestored(...request)
     return { before: base64(before), after: base64(after), lit }

@@ -29,7 +29,7 @@ const MORE = 3
 const KINDS = { textures: 'Texture', programs: 'Program', framebuffers: 'Framebuffer' } as const
 
 /** Counts what a renderer creates and has not deleted. */
-function watch(renderer: WebGLRenderer): { alive: Alive; uploads: () => number } {
+export function watch(renderer: WebGLRenderer): { alive: Alive; uploads: () => number } {
   const gl = renderer.getContext() as unknown as Record<string, (...args: unknown[]) => unknown>
   const alive: Alive = { textures: 0, programs: 0, framebuffers: 0 }
   for (const [name, kind] of Object.entries(KINDS)) {
