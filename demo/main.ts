@@ -6,7 +6,8 @@ import { Dock } from './tools/dock'
 import { keepOffline } from './offline/keep-offline'
 import { follow } from './link/link'
 import { cameraSetting, tiltSetting } from './link/poses'
-import { isSubjectName, SUBJECTS } from './subjects'
+import { choiceSetting } from './link/setting'
+import { isSubjectName, SUBJECTS, type SubjectName } from './subjects'
 import { Actions } from './ui/actions'
 import { divider } from './ui/divider'
 import { byId } from './ui/elements'
@@ -69,9 +70,9 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
 
   const scene = parameters.get('scene')
   const environment = parameters.get('environment')
+  // What is none of these is refused below, with all the rest.
   await Promise.all([
     demo.showSubject(isSubjectName(scene) ? scene : 'card'),
-    // What is no environment is refused below, with all the rest.
     demo.showEnvironment(isEnvironmentName(environment) ? environment : 'warehouse'),
   ])
   // The banner says why.
@@ -86,7 +87,16 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   })
   dock.add(new Inspector(demo))
   dock.add(new DesignPanel(demo))
-  const settings = [...panel.settings, tiltSetting(demo.tilt), cameraSetting(viewer)]
+  const settings = [
+    choiceSetting('scene', {
+      words: () => Object.keys(SUBJECTS) as SubjectName[],
+      get: () => demo.subjectName,
+      set: (name) => demo.showSubject(name),
+    }),
+    ...panel.settings,
+    tiltSetting(demo.tilt),
+    cameraSetting(viewer),
+  ]
   new Actions(demo, settings)
   const line = divider(demo.comparison)
   demo.onChanged = () => {

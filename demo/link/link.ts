@@ -1,11 +1,10 @@
 import type { Setting } from './setting'
 
-/** The page's address with all settings as they are, and its object: whoever opens it sees the same. */
-export function linkTo(page: string, scene: string, settings: readonly Setting[]): string {
+/** The page's address with all settings as they are: whoever opens it sees the same. */
+export function linkTo(page: string, settings: readonly Setting[]): string {
   const link = new URL(page)
   link.search = ''
   link.hash = ''
-  link.searchParams.set('scene', scene)
   for (const { name, read } of settings) {
     const value = read()
     if (value !== undefined) link.searchParams.set(name, value)

@@ -39,7 +39,7 @@ export class Actions {
 
   async #share(): Promise<void> {
     const { demo } = this
-    const link = linkTo(location.href, demo.subjectName, this.settings)
+    const link = linkTo(location.href, this.settings)
     history.replaceState(null, '', link)
     await demo.tell(navigator.clipboard.writeText(link), 'The link is copied.')
   }

@@ -82,12 +82,16 @@ describe('a link', () => {
   })
 
   it.each([
-    ['period=thick', 'address: period is "thick", expected a number from 0.4 to 6'],
-    ['period=1e9', 'address: period is "1e9", expected a number from 0.4 to 6'],
+    ['scene=vase&period=thick', 'address: period is "thick", expected a number from 0.4 to 6'],
+    ['scene=vase&period=1e9', 'address: period is "1e9", expected a number from 0.4 to 6'],
     ['metal=lead', 'address: metal is "lead", expected one of aluminium, silver, gold, copper'],
+    [
+      'scene=spoon',
+      'address: scene is "spoon", expected one of card, bag, note, bottle, disc, vase',
+    ],
     ['camera=1,2', 'address: camera is "1,2", expected 3 numbers with commas between them'],
   ])('that says %s is refused in words', async (query, message) => {
-    const { page } = await open(`?scene=vase&environment=none&${query}`, SMALL)
+    const { page } = await open(`?environment=none&${query}`, SMALL)
     const banner = page.getByRole('alert')
     await banner.waitFor()
     expect(await banner.innerText()).toContain(message)
