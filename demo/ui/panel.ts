@@ -35,6 +35,9 @@ const ILLUMINANTS = {
   'LED-B5': 'LED B5, 6598 K',
 }
 
+/** How many frames a picture at rest is the mean of. */
+const FRAMES = { 1: '1', 2: '2', 4: '4', 8: '8', 16: '16', 32: '32', 64: '64' }
+
 const { degToRad, radToDeg } = MathUtils
 
 /** All controls, in groups that can be folded. */
@@ -224,6 +227,12 @@ export class Panel {
         get: () => demo.subject.material.coherence,
         set: (value) => {
           adjust(demo.subject.material, { coherence: value })
+        },
+      }),
+      this.#choice<string>('frames', 'Frames at rest', FRAMES, {
+        get: () => String(demo.viewer.frames),
+        set: (value) => {
+          demo.viewer.frames = Number(value)
         },
       }),
     ])

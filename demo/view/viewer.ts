@@ -41,6 +41,7 @@ export class Viewer {
     console.error(error)
   }
 
+  #frames = 16
   #panes: readonly PaneDrawing[] = []
   readonly #moving = new MovingResolution()
   #fittedAspect = 1
@@ -49,6 +50,8 @@ export class Viewer {
   #isMeanAtRest = false
   #lastFrame = 0
   #lastChange = 0
+  /** How many pictures have been finished. */
+  #finished = 0
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -115,6 +118,18 @@ export class Viewer {
     this.invalidate()
   }
 
+  /** How many frames a picture at rest is the mean of: a power of 2. */
+  get frames(): number {
+    return this.#frames
+  }
+
+  set frames(value: number) {
+    this.#frames = value
+    const panes = this.panes
+    this.panes = []
+    this.panes = panes
+  }
+
   /** How long a frame of each pane takes in full resolution, ms; the least that was measured of this picture. */
   get frameTimes(): readonly number[] {
     return this.#panes.map(({ time }) => time)
@@ -135,7 +150,9 @@ export class Viewer {
   #drawings(panes: readonly Pane[]): PaneDrawing[] {
     return panes.map((pane, i) => ({
       pane,
-      refinement: this.#panes[i]?.refinement ?? new ProgressiveRefinement(this.renderer),
+      refinement:
+        this.#panes[i]?.refinement ??
+        new ProgressiveRefinement(this.renderer, { frames: this.#frames }),
       time: Infinity,
     }))
   }
@@ -251,6 +268,7 @@ export class Viewer {
 
   #settle(): void {
     this.canvas.dataset['state'] = 'settled'
+    this.canvas.dataset['pictures'] = String(++this.#finished)
     this.onSettled()
   }
 

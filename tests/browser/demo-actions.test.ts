@@ -143,7 +143,7 @@ it('works without a network once it was seen', async () => {
   await settle(page)
   await page.evaluate(() => navigator.serviceWorker.ready.then(() => null))
   await page.context().setOffline(true)
-  await page.goto(`${new URL(page.url()).origin}/?scene=snake&environment=night`)
+  await page.goto(`${new URL(page.url()).origin}/?scene=snake&environment=night&frames=2`)
   await settle(page)
   await page.locator('#subjects input[value=wafer]').check()
   await stirred(page)

@@ -69,7 +69,10 @@ export function demoPages(): {
     if (!isKept)
       await page.addInitScript(() => Reflect.deleteProperty(Navigator.prototype, 'serviceWorker'))
     await prepare?.(page)
-    await page.goto(server.url + query)
+    // Two frames in place of sixteen: finer ones show nothing else.
+    const parameters = new URLSearchParams(query)
+    if (!parameters.has('frames')) parameters.set('frames', '2')
+    await page.goto(`${server.url}?${parameters.toString()}`)
     return { page, complaints, elsewhere }
   }
   return { open }
@@ -80,6 +83,14 @@ export async function settle(page: Page): Promise<void> {
   await page.waitForSelector('#controls label', { state: 'attached' })
   await page.waitForSelector('#loading', { state: 'hidden' })
   await page.waitForSelector('#view[data-state=settled]')
+  seen.set(page, await finished(page))
+}
+
+/** Which picture was the last that `settle` waited for: the number that the page gave it. */
+const seen = new WeakMap<Page, string | null>()
+
+function finished(page: Page): Promise<string | null> {
+  return page.locator('#view').getAttribute('data-pictures')
 }
 
 /** The finished picture. */
@@ -103,7 +114,10 @@ export async function screenshotOf(page: Page): Promise<Buffer> {
   return png
 }
 
-/** Waits until a change has reached the picture. */
+/** Waits until a change has reached the picture: until there is another one than `settle` waited for. */
 export async function stirred(page: Page): Promise<void> {
-  await page.waitForSelector('#view:not([data-state=settled])')
+  await page.waitForFunction(
+    (number) => document.getElementById('view')?.dataset['pictures'] !== number,
+    seen.get(page) ?? undefined,
+  )
 }
