@@ -122,7 +122,8 @@ it('turns the object as the device is turned', async () => {
     hasTouch: true,
     isMobile: true,
   })
-  const before = await picture(page)
+  await settle(page)
+  // The row of buttons scrolls to the one that is pressed.
   await page.getByRole('button', { name: 'Tilt' }).click()
   const session = await page.context().newCDPSession(page)
   const hold = async (beta: number, gamma: number): Promise<void> => {
@@ -130,6 +131,7 @@ it('turns the object as the device is turned', async () => {
     await page.waitForTimeout(200)
   }
   await hold(40, 0)
+  const before = await picture(page)
   await hold(40, 12)
   const turned = await picture(page)
   expect(meanDifference(before, turned)).toBeGreaterThan(1)
