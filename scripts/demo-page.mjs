@@ -9,17 +9,19 @@ import { buildWhenStale, contentHash, filesUnder } from './stamp.mjs'
 export const demoPage = '.cache/demo'
 
 const serviceWorker = 'service-worker.js'
+/** What demo/offline/service-worker.ts calls the list of the files to keep, which only the finished build can write. */
+const precached = '__PRECACHED__'
 
 /**
- * What a built page may do: no more than what it does. Foils and environments are read by fetch, one of them from `data:`
- * addresses; pictures that are drawn are saved as `blob:`.
+ * What a built page may do: no more than what it does. Maps and environments are fetched, environments from `data:`
+ * addresses, and the page's icon is one.
  */
 const policy = [
   "default-src 'none'",
   "script-src 'self'",
   "style-src 'self'",
-  "img-src 'self' data: blob:",
-  "connect-src 'self' data: blob:",
+  'img-src data:',
+  "connect-src 'self' data:",
   "worker-src 'self'",
   "base-uri 'none'",
   "form-action 'none'",
@@ -79,9 +81,8 @@ export function completePage() {
         url: file,
         revision: hash(readFileSync(join(root, file))),
       }))
-      const placeholder = '__PRECACHED__'
-      if (!worker.code.includes(placeholder)) throw new Error(`${serviceWorker} keeps no files`)
-      worker.code = worker.code.replace(placeholder, JSON.stringify([...made, ...baked]))
+      if (!worker.code.includes(precached)) throw new Error(`${serviceWorker} keeps no files`)
+      worker.code = worker.code.replace(precached, JSON.stringify([...made, ...baked]))
     },
     writeBundle() {
       cpSync(join(root, 'maps/baked'), join(root, demoPage, 'maps/baked'), { recursive: true })

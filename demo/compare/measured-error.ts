@@ -1,14 +1,8 @@
 import type { DiffractionMaterial } from '../../web'
-import measuredErrors from '../../web/materials/measured-errors.json'
+import { MEASURED_ERRORS } from '../../web/materials/error-choice'
+import { DEFAULT_SETTINGS } from '../../web/materials/options'
 
-interface Row {
-  options: Partial<Record<string, string | number>>
-  rel_rmse: number
-}
-
-const CLASSES = measuredErrors.classes as unknown as Partial<
-  Record<string, Partial<Record<'lights' | 'environment', { settings: readonly Row[] }>>>
->
+type Options = Partial<Record<string, string | number>>
 
 /**
  * Largest relative root mean square error of radiance that the report has measured for a material's surface drawn as
@@ -20,19 +14,14 @@ export function measuredError(
 ): number | null {
   const { surface, method, efficiencies, wavelengthStep, environmentNodes } = material
   const name = surface.measuredAs(material)
-  const drawn: Row['options'] = { method, efficiencies, wavelengthStep, environmentNodes }
+  const drawn: Options = { method, efficiencies, wavelengthStep, environmentNodes }
   // A row says what differs from the options that a material has by itself.
-  const usual: Row['options'] = {
-    method: surface.methods[0]!,
-    efficiencies: 'table',
-    wavelengthStep: 0.005,
-    environmentNodes: 12,
-  }
+  const usual: Options = { ...DEFAULT_SETTINGS, method: surface.methods[0]! }
   const errors = (['lights', 'environment'] as const)
     .filter((part) => lit[part])
     .map((part) => {
       const knob = part === 'lights' ? 'wavelengthStep' : 'environmentNodes'
-      const row = CLASSES[name]?.[part]?.settings.find(({ options }) =>
+      const row = MEASURED_ERRORS[name]?.[part]?.settings.find(({ options }) =>
         ['method', 'efficiencies', knob].every(
           (option) => (options[option] ?? usual[option]) === drawn[option],
         ),

@@ -7,6 +7,7 @@ import type { Demo } from '../demo'
 import { micrometres } from '../inspector/pictures/numbers'
 import type { ToolContents } from '../tools/dock'
 import { byId, make } from '../ui/elements'
+import { saveFile } from '../ui/save-file'
 import { segments } from '../ui/segments'
 import '../style/plots.css'
 import '../style/design.css'
@@ -218,11 +219,7 @@ export class DesignContents implements ToolContents {
       const { files } = await madeFoil(name, texels, foil, facts)
       // Images are compressed already.
       const zip = zipSync(files, { level: 0 })
-      const link = make('a', '')
-      link.href = URL.createObjectURL(new Blob([zip], { type: 'application/zip' }))
-      link.download = `${name}.zip`
-      link.click()
-      URL.revokeObjectURL(link.href)
+      saveFile(new Blob([zip], { type: 'application/zip' }), `${name}.zip`)
       this.#status.textContent = `Saved ${name}.zip: ${Object.keys(files).join(', ')}.`
     } catch (error) {
       this.demo.banner.show(error)

@@ -10,6 +10,7 @@ import {
 } from '../../web/maps/load'
 import { MAP_FORMAT, MAP_VERSION, readSidecar, type ArraySpec } from '../../web/maps/sidecar'
 import type { Steps } from '../../web/steps'
+import { roundHalfEven } from '../numbers/round-half-even'
 
 /** A foil's texels: cos 2θ, sin 2θ, 1/a (1/µm) and strength of each, rows from the top. */
 export interface FoilTexels {
@@ -108,12 +109,6 @@ export function* stored({ rows, columns, values }: FoilTexels): Steps<StoredFoil
     yield
   }
   return { bytes, decode, minFrequency: least, maxFrequency: most, error: Math.sqrt(off / total) }
-}
-
-/** As numpy rounds. */
-function roundHalfEven(value: number): number {
-  const rounded = Math.round(value)
-  return rounded - value === 0.5 && rounded % 2 !== 0 ? rounded - 1 : rounded
 }
 
 /**

@@ -1,4 +1,5 @@
 import type { Steps } from '../../web/steps'
+import { roundHalfEven } from '../numbers/round-half-even'
 import type { FoilTexels } from './foil-map'
 import { nearestPoints } from './nearest-points'
 import { NumpyRandom } from './numpy-random'
@@ -112,9 +113,4 @@ function areaOf(shape: Shape): number {
     for (let column = 0; column < samples; column++)
       if (isOn(shape, (column + 0.5) / samples - 0.5, (row + 0.5) / samples - 0.5)) count++
   return count / samples ** 2
-}
-
-function roundHalfEven(value: number): number {
-  const rounded = Math.round(value)
-  return rounded - value === 0.5 && rounded % 2 !== 0 ? rounded - 1 : rounded
 }

@@ -3,6 +3,7 @@ import { linkTo } from '../link/link'
 import type { Setting } from '../link/setting'
 import { canSenseMotion, Motion } from '../view/motion'
 import { byId } from './elements'
+import { saveFile } from './save-file'
 
 /** The buttons below the view. */
 export class Actions {
@@ -48,14 +49,7 @@ export class Actions {
     const { demo } = this
     const picture = await demo.tell(demo.viewer.picture())
     if (picture === undefined) return
-    const link = document.createElement('a')
-    link.href = URL.createObjectURL(picture)
-    link.download = `three-diffraction-${demo.subjectName}.png`
-    link.click()
-    // The browser has begun to save it by then.
-    setTimeout(() => {
-      URL.revokeObjectURL(link.href)
-    }, 10_000)
+    saveFile(picture, `three-diffraction-${demo.subjectName}.png`)
   }
 }
 

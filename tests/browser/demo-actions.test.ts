@@ -110,8 +110,7 @@ it('saves the picture that is seen', async () => {
   const saved = await pixelsOf(page, readFileSync(await download.path()))
   expect(shareOf(saved, (r, g, b) => r > 80 && g < 40 && b < 60)).toBeGreaterThan(0.01)
   expect(saved.length).toBe(seen.length)
-  // Buttons and facts stand before what is seen, but not before what is saved.
-  expect(meanDifference(saved, seen)).toBeLessThan(12)
+  expect(meanDifference(saved, seen)).toBeLessThan(1)
 })
 
 it('turns the object as the device is turned', async () => {

@@ -99,19 +99,24 @@ export async function picture(page: Page): Promise<Pixels> {
 }
 
 /**
- * The finished picture with the buttons before it, as a PNG file: without the frame of what has the focus, and without
- * the facts, whose times differ from run to run.
+ * The finished picture as a PNG file, without what stands before it: buttons cover a part of it, facts tell times that
+ * differ from run to run, and letters are those of the machine's fonts.
  */
 export async function screenshotOf(page: Page): Promise<Buffer> {
   await settle(page)
-  const facts = page.locator('#facts')
-  await facts.evaluate((element: HTMLElement) => {
-    element.hidden = true
-    ;(document.activeElement as HTMLElement | null)?.blur()
-  })
+  await hideWhatIsBefore(page, true)
   const png = await page.locator('#view').screenshot()
-  await facts.evaluate((element: HTMLElement) => (element.hidden = false))
+  await hideWhatIsBefore(page, false)
   return png
+}
+
+async function hideWhatIsBefore(page: Page, areHidden: boolean): Promise<void> {
+  await page.evaluate((hidden) => {
+    // What has the focus has a frame.
+    ;(document.activeElement as HTMLElement | null)?.blur()
+    for (const part of document.querySelectorAll<HTMLElement>('.stage-top, .stage-bottom'))
+      part.style.visibility = hidden ? 'hidden' : ''
+  }, areHidden)
 }
 
 /** Waits until a change has reached the picture: until there is another one than `settle` waited for. */
