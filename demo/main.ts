@@ -12,7 +12,7 @@ import { Actions } from './ui/actions'
 import { divider } from './ui/divider'
 import { byId } from './ui/elements'
 import { Explanation } from './ui/explanation'
-import { showFacts } from './ui/facts'
+import { Facts } from './ui/facts'
 import { Panel } from './ui/panel'
 import { segments } from './ui/segments'
 import { showStatus } from './ui/status'
@@ -98,6 +98,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     cameraSetting(viewer),
   ]
   new Actions(demo, settings)
+  const facts = new Facts(demo)
   const line = divider(demo.comparison)
   demo.onChanged = () => {
     panel.refresh()
@@ -107,7 +108,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   }
   viewer.onSettled = () => {
     explanation.refresh()
-    showFacts(demo)
+    facts.refresh()
   }
   await demo.tell(follow(parameters, settings))
   demo.onChanged()
