@@ -41,7 +41,7 @@ const RULES: Record<string, string> = {
 }
 
 /** Equations and drawings that nothing can run. */
-const FORMULAS = 'docs/theory.md'
+const FORMULAS = 'docs/theory/README.md'
 
 it('finds blocks of every kind', () => {
   expect([...new Set(blocks.map(kindOf))].sort()).toEqual(

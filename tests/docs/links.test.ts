@@ -52,7 +52,7 @@ export function deadEnd(file: string, address: string): string | null {
 
 it('finds the pages', () => {
   expect(markdownFiles).toEqual(
-    expect.arrayContaining(['README.md', 'docs/theory.md', 'docs/gltf/README.md']),
+    expect.arrayContaining(['README.md', 'docs/theory/README.md', 'docs/gltf/README.md']),
   )
 })
 
@@ -68,7 +68,7 @@ describe.each(markdownFiles)('%s', (file) => {
 
 it.each([
   ['theory.md', 'there is no theory.md'],
-  ['docs/theory.md#9-nothing', 'docs/theory.md has no heading #9-nothing'],
+  ['docs/theory/README.md#9-nothing', 'docs/theory/README.md has no heading #9-nothing'],
   ['#nothing', 'README.md has no heading #nothing'],
   ['docs#theory', 'docs has no anchors'],
   ['../x.md', 'leaves the repository'],
