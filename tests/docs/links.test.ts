@@ -1,8 +1,9 @@
-import { existsSync } from 'node:fs'
+import { existsSync, readFileSync } from 'node:fs'
 import { dirname, join, normalize } from 'node:path'
 import GithubSlugger from 'github-slugger'
 import { visit } from 'unist-util-visit'
 import { describe, expect, it } from 'vitest'
+import { filesUnder } from '../../scripts/stamp.mjs'
 import { markdownFiles, parsed, root } from './markdown'
 
 /** The anchors that GitHub gives a file's headings. */
@@ -64,6 +65,20 @@ describe.each(markdownFiles)('%s', (file) => {
     })
     expect(dead).toEqual([])
   })
+})
+
+it('finds each page that a comment in the sources names', () => {
+  const sources = ['demo', 'precompute', 'shaders', 'web']
+    .flatMap(filesUnder)
+    .filter((file) => /\.(glsl|py|tsx?)$/.test(file))
+  const named = sources.flatMap((file) =>
+    [...readFileSync(join(root, file), 'utf8').matchAll(/docs\/[\w/-]+\.md/g)].map(([page]) => ({
+      file,
+      page,
+    })),
+  )
+  expect(named.length).toBeGreaterThan(20)
+  expect(named.filter(({ page }) => !existsSync(join(root, page)))).toEqual([])
 })
 
 it.each([
