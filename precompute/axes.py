@@ -20,7 +20,7 @@ class Axis(BaseModel):
 
     Attributes:
         name: The parameter's name.
-        symbol: Its symbol in docs/theory.md.
+        symbol: Its symbol in docs/theory.
         unit: Its unit, ``1`` where it has none.
         size: Texels along it.
         mapping: How the parameter runs from `first` to `last` with the position x in [0, 1]:

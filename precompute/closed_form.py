@@ -143,7 +143,7 @@ class ClosedForm:
         middle = g * (c_vv * u - c_uv * v) / adjugate
         exponent = 0.5 * g**2 * v**2 / adjugate
         density = q * np.exp(-exponent) / np.sqrt(2 * np.pi * determinant)
-        # A blurred lobe is a Gaussian in wavelength: docs/theory.md, section 4.
+        # A blurred lobe is a Gaussian in wavelength: docs/theory/lights.md.
         skew = (1 - self.window / c_uu) * q**2 / np.maximum(middle**2, 0.25)
         middle, q = middle * (1 + skew), q * (1 + 4 * skew)
         position = lobe_position(middle, q)

@@ -1,4 +1,4 @@
-"""Lobe tables: the colour of a diffraction lobe in closed form (docs/theory.md, section 4).
+"""Lobe tables: the colour of a diffraction lobe in closed form (docs/theory/lights.md).
 
 For a light that is not an environment, the integral over wavelength of one order's lobe is a
 Gaussian average of the spectrum over wavenumber s = 1/λ, about s* with standard deviation q:

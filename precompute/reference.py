@@ -1,7 +1,7 @@
 """The reference: diffraction by gratings evaluated directly, in float64, at every nanometre.
 
 No table, no closed form over wavelength, nothing that the shipped path computes. Directions are
-unit vectors (t, b, n) away from the surface, arrays of shape (..., 3). docs/theory.md derives the
+unit vectors (t, b, n) away from the surface, arrays of shape (..., 3). docs/theory derives the
 formulas.
 """
 

@@ -61,7 +61,7 @@ interface Way {
   share: number
 }
 
-/** Radiance from the environment: an arc of it for each order, or line (docs/theory.md, section 6). */
+/** Radiance from the environment: an arc of it for each order, or line (docs/theory/environments.md). */
 export function environmentRadiance(optics: PointOptics, light: EnvironmentLight): Radiance {
   const { tables, axes, wo, through, strength } = optics
   const { spectrum } = tables

@@ -1,7 +1,7 @@
 """The harmonic of light through a turning polariser: a linear fit to each pixel by itself.
 
 What leaves a point is made of 1, cos 2ψ and sin 2ψ of the polariser's angle ψ alone
-(docs/theory.md, section 9): three numbers a pixel, by linear least squares from any three angles.
+(docs/theory/polarisation.md): three numbers a pixel, by linear least squares from any three angles.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ export interface OrderPart {
 }
 
 /**
- * f_r(ω_i, ω_o, λ) in 1/sr as a sum over orders' powers (docs/theory.md, section 2): exact for σ ≥ a, where orders do not
+ * f_r(ω_i, ω_o, λ) in 1/sr as a sum over orders' powers (docs/theory/gratings.md): exact for σ ≥ a, where orders do not
  * interfere. Orders whose part is below 1e-9 of the largest possible are left out.
  *
  * @param wi - ω_i, above the horizon, as ω_o
