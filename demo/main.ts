@@ -103,6 +103,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     panel.refresh()
     tabs.refresh()
     line.refresh()
+    dock.refresh()
     showStatus(demo)
   }
   viewer.onSettled = () => {
