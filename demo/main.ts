@@ -1,8 +1,7 @@
 import { Demo } from './demo'
-import { DesignPanel } from './design/design-panel'
 import { isEnvironmentName } from './light/environments'
-import { Inspector } from './inspector/inspector'
 import { Dock } from './tools/dock'
+import { tools } from './tools/tools'
 import { keepOffline } from './offline/keep-offline'
 import { follow } from './link/link'
 import { cameraSetting, tiltSetting } from './link/poses'
@@ -85,8 +84,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   const dock = new Dock((error) => {
     demo.banner.show(error)
   })
-  dock.add(new Inspector(demo))
-  dock.add(new DesignPanel(demo))
+  for (const tool of tools(demo)) dock.add(tool)
   const settings = [
     choiceSetting('scene', {
       words: () => Object.keys(SUBJECTS) as SubjectName[],
@@ -104,6 +102,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     panel.refresh()
     tabs.refresh()
     line.refresh()
+    dock.refresh()
     showStatus(demo)
   }
   viewer.onSettled = () => {

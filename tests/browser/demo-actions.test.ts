@@ -136,6 +136,14 @@ describe('a link', () => {
       'scene=spoon',
       'address: scene is "spoon", expected one of card, bag, note, bottle, disc, vase',
     ],
+    [
+      'strewn=shape:squares,size:9999',
+      'address: strewn.size is "9999", expected a number from 16 to 1024',
+    ],
+    [
+      'periods=shortest:1,longest:2,bins:12,blend:hard',
+      'address: periods.blend is "hard", expected one of linear, quadratic, sin2',
+    ],
     ['camera=1,2', 'address: camera is "1,2", expected 3 numbers with commas between them'],
   ])('that says %s is refused in words', async (query, message) => {
     const { page } = await open(`?environment=none&${query}`, SMALL)
