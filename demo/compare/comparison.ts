@@ -14,6 +14,8 @@ export class Comparison {
   #subject: Subject | null = null
   #other: DiffractionMaterial | null = null
   #method: Method | null = null
+  /** What the other material was last asked for. */
+  #awaited: Promise<void> | null = null
 
   constructor(
     private readonly viewer: Viewer,
@@ -86,6 +88,7 @@ export class Comparison {
       this.#other = this.#make(material, method)
     }
     follow(this.#other, material)
+    this.#drawWhenReady(this.#other)
     wearing(subject.object, material, this.#other, render)
   }
 
@@ -93,13 +96,19 @@ export class Comparison {
     this.#other?.dispose()
     const other = otherMaterial(material, method)
     other.onError = this.onError
-    other.ready.then(
+    return other
+  }
+
+  /** Draws again once what the other material was last asked for is there. */
+  #drawWhenReady({ ready }: DiffractionMaterial): void {
+    if (ready === this.#awaited) return
+    this.#awaited = ready
+    ready.then(
       () => {
         this.viewer.invalidate()
       },
       () => undefined,
     )
-    return other
   }
 }
 

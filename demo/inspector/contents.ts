@@ -112,11 +112,13 @@ export class InspectorContents implements ToolContents {
         this.#isDrawing = false
       })
     }
-    const isSettled = this.#canvas.dataset['state'] === 'settled'
-    if (isSettled && !this.#isDrawing && this.#shown === state && this.#rendered !== state) {
-      this.#rendered = state
-      void this.#compare(this.#point, this.#tables, state)
-    }
+    const { state: picture, pictures } = this.#canvas.dataset
+    // Some settings reach the picture later than the state.
+    const rendered = `${state} ${pictures}`
+    if (picture !== 'settled' || this.#isDrawing || this.#shown !== state) return
+    if (this.#rendered === rendered) return
+    this.#rendered = rendered
+    void this.#compare(this.#point, this.#tables, rendered)
   }
 
   /** Picture by picture, so that none keeps the page waiting for all. */
@@ -142,7 +144,7 @@ export class InspectorContents implements ToolContents {
     this.#tablePictures.show(tables)
   }
 
-  async #compare(point: PickedPoint, tables: SpectralTables, state: string): Promise<void> {
+  async #compare(point: PickedPoint, tables: SpectralTables, key: string): Promise<void> {
     if (!this.#spectra.block.isOpen) return
     const { camera, renderer } = this.demo.viewer
     const { subject } = this.demo
@@ -158,7 +160,7 @@ export class InspectorContents implements ToolContents {
     const at = pickAt(middle, camera, subject.object, subject.material) ?? point
     const optics = opticsAt(this.demo, tables, at)
     const rendered = await this.#pixel.read(pixel)
-    if (this.#rendered !== state) return
+    if (this.#rendered !== key) return
     const exposure = this.demo.viewer.renderer.toneMappingExposure
     const light = environmentLight(this.demo)
     const environment = light && environmentRadiance(optics, light)

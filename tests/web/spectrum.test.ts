@@ -6,7 +6,7 @@ import { arcNodes } from '../../web/spectrum/arc-nodes'
 import { lobeTexture } from '../../web/spectrum/lobe-texture'
 import { maxOrder } from '../../web/spectrum/max-order'
 import { metalReflectance } from '../../web/spectrum/metal-reflectance'
-import { solveLinear } from '../../web/spectrum/solve-linear'
+import { solvePositive } from '../../web/spectrum/solve-positive'
 import {
   nodesTexture,
   seenIn,
@@ -234,25 +234,43 @@ describe('nodes along an arc', () => {
   })
 })
 
-describe('linear equations', () => {
-  it('are solved where a pivot is zero, for several right sides', () => {
-    const matrix = [
-      [0, 2, 1],
-      [1, 0, 3],
-      [4, 1, 0],
-    ]
-    const solution = [
-      [1, -2],
-      [2, 0.5],
-      [-3, 4],
-    ]
-    const right = matrix.map((row) =>
-      [0, 1].map((c) => row.reduce((sum, value, k) => sum + value * solution[k]![c]!, 0)),
+describe('equations of a positive definite matrix', () => {
+  /** A X, A being symmetric and given up to its diagonal. */
+  function product(matrix: readonly Float64Array[], column: Float64Array): Float64Array {
+    return Float64Array.from(matrix, (row, i) =>
+      column.reduce((sum, value, j) => sum + (j > i ? matrix[j]![i]! : row[j]!) * value, 0),
     )
-    const found = solveLinear(matrix, right)
-    found.flat().forEach((value, i) => {
-      expect(value).toBeCloseTo(solution.flat()[i]!, 12)
+  }
+
+  it('are solved for several right sides', () => {
+    // L Lᵀ of the rows 2; 1, 3; −1, 0.5, 1.
+    const matrix = [[4], [2, 10], [-2, 0.5, 2.25]].map((row) => Float64Array.from(row))
+    const solution = [
+      [1, 2, -3],
+      [-2, 0.5, 4],
+    ].map((column) => Float64Array.from(column))
+    const columns = solution.map((column) => product(matrix, column))
+    solvePositive(matrix, columns)
+    columns.forEach((column, c) => {
+      column.forEach((value, i) => {
+        expect(value).toBeCloseTo(solution[c]![i]!, 12)
+      })
     })
+  })
+
+  it('are solved where as many as nodes can be stand for a path that is nearly smooth', () => {
+    const covariance = (a: number, b: number): number =>
+      a ** 1.5 + b ** 1.5 - Math.abs(a - b) ** 1.5
+    const made = (): Float64Array[] =>
+      Array.from({ length: 400 }, (_, i) =>
+        Float64Array.from({ length: i + 1 }, (_, j) => covariance((i + 1) / 400, (j + 1) / 400)),
+      )
+    const solution = Float64Array.from({ length: 400 }, (_, i) => Math.sin(i))
+    const columns = [product(made(), solution)]
+    solvePositive(made(), columns)
+    // The matrix' largest eigenvalue is 1e6 times its least.
+    const worst = Math.max(...columns[0]!.map((value, i) => Math.abs(value - solution[i]!)))
+    expect(worst).toBeLessThan(1e-9)
   })
 })
 
