@@ -65,5 +65,5 @@ class Axis(BaseModel):
         return np.clip(x, 0, 1) * (self.size - 1)
 
     def parameters(self) -> Array:
-        """The parameters at all texels' centres, shape (size,)."""
+        """The parameters at all texels' centres, in the axis' unit, shape (size,)."""
         return self.parameter_from_texel(np.arange(self.size))

@@ -94,7 +94,9 @@ class ClosedForm:
         return result
 
     def blur(self, wi: Array, w: Array) -> Array:
-        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source, shape (3, n).
+        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source.
+
+        No unit, shape (3, n).
 
         Args:
             wi: ω_i, shape (n, 3), above the horizon.
@@ -120,7 +122,7 @@ class ClosedForm:
         return np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
 
     def order_depth(self, wi: Array, wo: Array, offset: Array | float) -> Array:
-        """w of an order at offset = mλ/a, shape (n,).
+        """w of an order at offset = mλ/a, no unit, shape (n,).
 
         Args:
             wi: ω_i, shape (n, 3), above the horizon.
@@ -240,7 +242,7 @@ def _squared_cosine(direction: Array, offset: Array | float) -> Array:
 
 
 def above_horizon(squared_cosine: Array, deviation: Array) -> Array:
-    """The part of a lobe above the horizon, at most 0.002 more than Φ((1 − r)/c) and never less.
+    """The share of a lobe above the horizon, at most 0.002 more than Φ((1 − r)/c) and never less.
 
     Args:
         squared_cosine: 1 − r², no unit, of the lobe's middle, below 0 where that is under the

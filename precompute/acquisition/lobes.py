@@ -117,7 +117,7 @@ def at_radius(profile: Array32, radius: Array32) -> Array32:
         radius: ρ, any shape.
 
     Returns:
-        That shape, then channels.
+        In the unit of `profile`, shape that of `radius`, then channels.
     """
     place = np.minimum(radius / np.float32(RADIUS_STEP), len(profile) - 1.001)
     below = place.astype(np.int32)

@@ -137,7 +137,7 @@ def distinct_angles(polariser: Array) -> int:
 
 
 def photograph_means(photographs: Pixels, mask: NDArray[np.bool_]) -> Array:
-    """The mean of each photograph over pixels of a mask.
+    """The mean of each photograph over pixels of a mask, in its unit.
 
     Args:
         photographs: Shape (photographs, rows, columns); NaN is left out.
