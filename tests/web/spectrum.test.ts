@@ -235,22 +235,31 @@ describe('nodes along an arc', () => {
 })
 
 describe('equations of a positive definite matrix', () => {
-  /** A X, A being symmetric and given up to its diagonal. */
-  function product(matrix: readonly Float64Array[], column: Float64Array): Float64Array {
-    return Float64Array.from(matrix, (row, i) =>
-      column.reduce((sum, value, j) => sum + (j > i ? matrix[j]![i]! : row[j]!) * value, 0),
+  /** Of a function of row and column that is symmetric; what is left of the diagonal is not to be read. */
+  function matrix(size: number, at: (i: number, j: number) => number): Float64Array[] {
+    return Array.from({ length: size }, (_, i) =>
+      Float64Array.from({ length: size }, (_, j) => (j < i ? NaN : at(i, j))),
     )
   }
 
-  it('are solved for several right sides', () => {
+  function times(at: (i: number, j: number) => number, column: Float64Array): Float64Array {
+    return column.map((_, i) => column.reduce((sum, value, j) => sum + at(i, j) * value, 0))
+  }
+
+  it.each([1, 2, 3])('are solved for several right sides: %s of them', (size) => {
     // L Lᵀ of the rows 2; 1, 3; −1, 0.5, 1.
-    const matrix = [[4], [2, 10], [-2, 0.5, 2.25]].map((row) => Float64Array.from(row))
+    const whole = [
+      [4, 2, -2],
+      [2, 10, 0.5],
+      [-2, 0.5, 2.25],
+    ]
+    const at = (i: number, j: number): number => whole[i]![j]!
     const solution = [
       [1, 2, -3],
       [-2, 0.5, 4],
-    ].map((column) => Float64Array.from(column))
-    const columns = solution.map((column) => product(matrix, column))
-    solvePositive(matrix, columns)
+    ].map((column) => Float64Array.from(column.slice(0, size)))
+    const columns = solution.map((column) => times(at, column))
+    solvePositive(matrix(size, at), columns)
     columns.forEach((column, c) => {
       column.forEach((value, i) => {
         expect(value).toBeCloseTo(solution[c]![i]!, 12)
@@ -259,15 +268,11 @@ describe('equations of a positive definite matrix', () => {
   })
 
   it('are solved where as many as nodes can be stand for a path that is nearly smooth', () => {
-    const covariance = (a: number, b: number): number =>
-      a ** 1.5 + b ** 1.5 - Math.abs(a - b) ** 1.5
-    const made = (): Float64Array[] =>
-      Array.from({ length: 400 }, (_, i) =>
-        Float64Array.from({ length: i + 1 }, (_, j) => covariance((i + 1) / 400, (j + 1) / 400)),
-      )
-    const solution = Float64Array.from({ length: 400 }, (_, i) => Math.sin(i))
-    const columns = [product(made(), solution)]
-    solvePositive(made(), columns)
+    const at = (i: number, j: number): number =>
+      ((i + 1) / 400) ** 1.5 + ((j + 1) / 400) ** 1.5 - (Math.abs(i - j) / 400) ** 1.5
+    const solution = new Float64Array(400).map((_, i) => Math.sin(i))
+    const columns = [times(at, solution)]
+    solvePositive(matrix(400, at), columns)
     // The matrix' largest eigenvalue is 1e6 times its least.
     const worst = Math.max(...columns[0]!.map((value, i) => Math.abs(value - solution[i]!)))
     expect(worst).toBeLessThan(1e-9)

@@ -1,7 +1,7 @@
 import { parameterFromTexel } from '../maps/axes.ts'
 import { arrayOf, type LoadedMap } from '../maps/load.ts'
 import { radicalInverse } from '../refinement/radical-inverse.ts'
-import { solvePositive } from './solve-positive.ts'
+import { product, solvePositive } from './solve-positive.ts'
 import type { SpectralNode } from './spectral-nodes.ts'
 
 /** XYZ in light of each of the three tint bases. */
@@ -74,9 +74,10 @@ function spectrumCells(
   return Array.from({ length: axis.size - 1 }, (_, i) => {
     const [low, high] = [parameterFromTexel(axis, i), parameterFromTexel(axis, i + 1)]
     const wavelength = (low + high) / 2
+    const seen = reflectance(wavelength)
     const tints = Array.from(
       { length: COLUMNS },
-      (_, c) => reflectance(wavelength) * (data[(i + 1) * COLUMNS + c]! - data[i * COLUMNS + c]!),
+      (_, c) => seen * (data[(i + 1) * COLUMNS + c]! - data[i * COLUMNS + c]!),
     )
     return { wavelength, width: high - low, tints }
   })
@@ -117,20 +118,22 @@ function estimatorWeights(
 ): number[][] {
   const covariance = (a: number, b: number): number =>
     variogram(a, first!) + variogram(b, first!) - variogram(a, b)
-  const columns = Array.from({ length: COLUMNS }, () => new Float64Array(others.length))
-  others.forEach((a, i) => {
-    for (const { wavelength, tints } of cells) {
-      const common = covariance(a, wavelength)
-      for (let c = 0; c < COLUMNS; c++) columns[c]![i]! += common * tints[c]!
-    }
-  })
-  solvePositive(
-    others.map((a, i) => new Float64Array(i + 1).map((_, j) => covariance(a, others[j]!))),
-    columns,
+  const lights = Array.from({ length: COLUMNS }, (_, c) =>
+    new Float64Array(cells.length).map((_, cell) => cells[cell]!.tints[c]!),
   )
-  const total = columns.map((_, c) => sum(cells.map(({ tints }) => tints[c]!)))
+  const columns = lights.map(() => new Float64Array(others.length))
+  const rows = others.map((a, i) => {
+    const withCells = new Float64Array(cells.length).map((_, cell) =>
+      covariance(a, cells[cell]!.wavelength),
+    )
+    lights.forEach((light, c) => (columns[c]![i] = product(withCells, light)))
+    return new Float64Array(others.length).map((_, j) => (j < i ? 0 : covariance(a, others[j]!)))
+  })
+  solvePositive(rows, columns)
+  const total = lights.map(sum)
   const weights = others.map((_, i) => columns.map((column) => column[i]!))
-  return shared([total.map((amount, c) => amount - sum(columns[c]!)), ...weights], total, frames)
+  const rest = total.map((amount, c) => amount - sum(columns[c]!))
+  return shared([rest, ...weights], total, frames)
 }
 
 /**
@@ -195,7 +198,7 @@ class Cumulative {
   }
 }
 
-function sum(values: Iterable<number>): number {
+function sum(values: readonly number[] | Float64Array): number {
   let total = 0
   for (const value of values) total += value
   return total

@@ -1,28 +1,47 @@
 /**
- * Solves A X = B for a symmetric, positive definite A by Cholesky's decomposition into L Lᵀ: a third of the operations of an
- * elimination of any matrix, and no pivots.
+ * Solves A X = B for a symmetric, positive definite A: by elimination, which then needs no pivots and, A staying symmetric, no
+ * more than what is right of the diagonal.
  *
- * @param matrix - rows of A, up to and with the diagonal at least; L takes their place
- * @param columns - of B, each as long as A has rows; those of X take their place
+ * @param rows - of A, of which what is left of the diagonal is not read; they are changed
+ * @param columns - of B; those of X take their place
  */
 export function solvePositive(
-  matrix: readonly Float64Array[],
+  rows: readonly Float64Array[],
   columns: readonly Float64Array[],
 ): void {
-  // L Y = B is solved by the sums that make rows of L: a column of B is one more row.
-  ;[...matrix, ...columns].forEach((row, i) => {
-    for (let j = 0; j <= i && j < matrix.length; j++) {
-      const other = matrix[j]!
-      let rest = row[j]!
-      for (let k = 0; k < j; k++) rest -= row[k]! * other[k]!
-      row[j] = row === other ? Math.sqrt(rest) : rest / other[j]!
-    }
+  const factor = (k: number, i: number): number => rows[k]![i]! / rows[k]![k]!
+  rows.forEach((row, i) => {
+    let k = 0
+    // By pairs, so that the row is read and written half as often.
+    for (; k < i - 1; k += 2)
+      subtract(row, i, rows[k]!, factor(k, i), rows[k + 1]!, factor(k + 1, i))
+    if (k < i) subtract(row, i, rows[k]!, factor(k, i), row, 0)
   })
-  // Lᵀ X = Y, from the last row on.
-  for (const column of columns)
-    for (let j = matrix.length - 1; j >= 0; j--) {
-      const row = matrix[j]!
-      column[j]! /= row[j]!
-      for (let k = 0; k < j; k++) column[k]! -= row[k]! * column[j]!
-    }
+  for (const column of columns) {
+    rows.forEach((row, k) => {
+      column[k]! /= row[k]!
+      subtract(column, k + 1, row, column[k]!, row, 0)
+    })
+    for (let k = rows.length - 1; k >= 0; k--)
+      column[k]! -= product(rows[k]!, column, k + 1) / rows[k]![k]!
+  }
+}
+
+/** Takes so many times two others from a row, from some place on. */
+function subtract(
+  row: Float64Array,
+  from: number,
+  one: Float64Array,
+  ones: number,
+  other: Float64Array,
+  others: number,
+): void {
+  for (let j = from; j < row.length; j++) row[j]! -= ones * one[j]! + others * other[j]!
+}
+
+/** The sum of the products of two rows' numbers, from some place on. */
+export function product(one: Float64Array, other: Float64Array, from = 0): number {
+  let sum = 0
+  for (let j = from; j < one.length; j++) sum += one[j]! * other[j]!
+  return sum
 }
