@@ -43,3 +43,14 @@ export function propagatingOrders(
 export function sumOf(wi: Direction, wo: Direction): Direction {
   return [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]]
 }
+
+/** (ω_i)_xy = λ f − (ω_o)_xy of a line of a relief's spectrum; null below the horizon. frequency: f, 1/µm. */
+export function lineDirection(
+  wo: Direction,
+  [fx, fy]: readonly [number, number],
+  wavelength: number,
+): Direction | null {
+  const [x, y] = [wavelength * fx - wo[0], wavelength * fy - wo[1]]
+  const squared = 1 - x * x - y * y
+  return squared > 0 ? [x, y, Math.sqrt(squared)] : null
+}

@@ -128,13 +128,13 @@ export interface PoweredLine {
   power: number
 }
 
-/** Lines that are kept of each spectrum, and steps of w in which they are: what is smaller is not seen. */
-const MOST_LINES = 160
+/** Lines that are kept of each spectrum, as many as pictures show, and steps of w in which they are: what is smaller is not seen. */
+const MOST_LINES = 13
 const STEPS_OF_W = 100
 
 const strongest = new WeakMap<Relief, Map<string, readonly PoweredLine[]>>()
 
-/** The lines that take most of the light about that depth, the strongest first, 160 at most. w: cosθ_i + cosθ_o. */
+/** The lines that take most of the light about that depth, the strongest first, 13 at most. w: cosθ_i + cosθ_o. */
 export function strongestLines(
   relief: Relief,
   w: number,
