@@ -64,8 +64,9 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     get: () => demo.subjectName,
     set: (name) => void demo.showSubject(name),
   })
-  // What is shown before it is filled would be seen to move.
-  byId('actions', HTMLDivElement).hidden = false
+  // What is shown before it is filled would be seen to move. Nothing comes of a press before there is an object.
+  const actions = byId('actions', HTMLDivElement)
+  actions.hidden = false
 
   const scene = parameters.get('scene')
   const environment = parameters.get('environment')
@@ -96,6 +97,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     cameraSetting(viewer),
   ]
   new Actions(demo, settings)
+  actions.inert = false
   const facts = new Facts(demo)
   const line = divider(demo.comparison)
   demo.onChanged = () => {
