@@ -94,13 +94,7 @@ export function frameOf(point: PickedPoint, eye: Vector3): PointFrame {
   const [a, b, c] = corners(mesh, vertices)
   for (const corner of [a, b, c]) corner.applyMatrix4(world)
   const position = blended([a, b, c], weights)
-  const normals = mesh.geometry.getAttribute('normal')
-  const normal = blended(
-    vertices.map((vertex) => new Vector3().fromBufferAttribute(normals, vertex)),
-    weights,
-  )
-    .applyMatrix3(new Matrix3().getNormalMatrix(world))
-    .normalize()
+  const normal = normalOf(point)
   const [uvA, uvB, uvC] = cornersUv(mesh, vertices)
   const [e1, e2] = [b.sub(a), c.sub(a)]
   const [d1, d2] = [uvB.sub(uvA), uvC.sub(uvA)]
@@ -114,6 +108,23 @@ export function frameOf(point: PickedPoint, eye: Vector3): PointFrame {
   if (isBehind && mesh.material.side === DoubleSide)
     for (const axis of [tangent, bitangent, normal]) axis.negate()
   return { position, tangent, bitangent, normal }
+}
+
+/** As it is rendered: three turns the normals of instances as if these were not sheared. */
+function normalOf({ mesh, instance, vertices, weights }: PickedPoint): Vector3 {
+  const normals = mesh.geometry.getAttribute('normal')
+  const own = new Matrix4()
+  if (mesh instanceof InstancedMesh) mesh.getMatrixAt(instance, own)
+  const axes = [0, 1, 2].map((column) => new Vector3().setFromMatrixColumn(own, column))
+  return blended(
+    vertices.map((vertex) => {
+      const normal = new Vector3().fromBufferAttribute(normals, vertex).toArray()
+      return blended(axes, new Vector3(...axes.map((axis, k) => normal[k]! / axis.lengthSq())))
+    }),
+    weights,
+  )
+    .applyMatrix3(new Matrix3().getNormalMatrix(mesh.matrixWorld))
+    .normalize()
 }
 
 function worldMatrix(mesh: Mesh, instance: number): Matrix4 {
