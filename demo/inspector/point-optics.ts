@@ -13,7 +13,12 @@ import { bentFrame } from './optics/foil-bumps'
 import { fresnel } from './optics/fresnel'
 import type { GratingOptics } from './optics/grating-brdf'
 import { gratingAt, type GratingAt } from './optics/grating-at'
-import { LightSpectrum, illuminantSpectrum, type Colour } from './optics/light-spectrum'
+import {
+  LightSpectrum,
+  illuminantA,
+  illuminantSpectrum,
+  type Colour,
+} from './optics/light-spectrum'
 import type { Direction } from './optics/orders'
 import { Relief, type ReliefOptics } from './optics/relief'
 import type { PickedPoint, PointFrame } from './picked-point'
@@ -39,7 +44,7 @@ export interface SpectralTables {
 
 /** Loads the tables that a material reads; those that it has loaded already are shared with it. */
 export async function loadTables({ surface, material }: Subject): Promise<SpectralTables> {
-  const { mapsPath, illuminant, observer } = material
+  const { mapsPath } = material
   const urls = spectrumUrls(material, mapsPath)
   const heightField =
     surface instanceof HeightField
@@ -49,9 +54,8 @@ export async function loadTables({ surface, material }: Subject): Promise<Spectr
     surface instanceof HeightField ? null : profileUrl('inspector', surface.profile, mapsPath)
   const load = (url: string | null): Promise<LoadedMap | null> =>
     url === null ? Promise.resolve(null) : loadSharedMap(url)
-  const [lobes, a, metals, profileMap, reliefMap] = await Promise.all([
+  const [lobes, metals, profileMap, reliefMap] = await Promise.all([
     loadSharedMap(urls.lobes),
-    illuminant === 'A' ? null : loadSharedMap(`${mapsPath}lobes-${observer}-A`),
     loadSharedMap(urls.metals),
     load(profile),
     load(heightField),
@@ -60,9 +64,25 @@ export async function loadTables({ surface, material }: Subject): Promise<Spectr
   return {
     maps: { lobes, metals, profile: profileMap, relief: reliefMap },
     spectrum,
-    illuminant: illuminantSpectrum(spectrum, a === null ? spectrum : new LightSpectrum(a)),
+    illuminant: await illuminantOf(lobes, spectrum, mapsPath),
     relief: reliefMap === null ? null : new Relief(reliefMap),
   }
+}
+
+/** The illuminant of a map of kind 'lobes', relative to A's for the observer of 1931, to D65's for others. */
+async function illuminantOf(
+  lobes: LoadedMap,
+  spectrum: LightSpectrum,
+  mapsPath: string,
+): Promise<Float64Array> {
+  const { observer } = lobes.sidecar.recipe
+  const load = async (name: string): Promise<LightSpectrum> =>
+    new LightSpectrum(await loadSharedMap(`${mapsPath}lobes-${name}`))
+  const a = await load('1931-2-A')
+  const powerOfA = a.wavelengths.map(illuminantA)
+  if (observer === '1931-2') return illuminantSpectrum(spectrum, a, powerOfA)
+  const powerOfD65 = illuminantSpectrum(await load('1931-2-D65'), a, powerOfA)
+  return illuminantSpectrum(spectrum, await load(`${String(observer)}-D65`), powerOfD65)
 }
 
 /** t, b, n in the world, orthonormal. */
