@@ -4,6 +4,7 @@ import type { Subject } from '../subjects/subject'
 import { WHOLE } from '../view/pane'
 import type { Viewer } from '../view/viewer'
 import { follow, otherMaterial, otherMethod } from './other-material'
+import type { Way } from './draw-radiance'
 import { pictureDifference } from './picture-difference'
 
 /** The object on show as its own method draws it, to the left of a line, and as another method does, to the right. */
@@ -13,6 +14,8 @@ export class Comparison {
   #subject: Subject | null = null
   #other: DiffractionMaterial | null = null
   #method: Method | null = null
+  /** What the other material was last asked for. */
+  #awaited: Promise<void> | null = null
 
   constructor(
     private readonly viewer: Viewer,
@@ -47,14 +50,22 @@ export class Comparison {
 
   /** The relative root mean square difference of both methods' radiance on the object, as it is seen now. */
   difference(): number | null {
+    const [own, other] = this.ways
+    return own === undefined || other === undefined
+      ? null
+      : pictureDifference(this.viewer, [own, other])
+  }
+
+  /** The ways in which the object is drawn: its own, and that on the right where there is one. */
+  get ways(): readonly Way[] {
     const [subject, other] = [this.#subject, this.#other]
-    if (subject === null || other === null) return null
-    return pictureDifference(this.viewer, [
+    if (subject === null || other === null) return [WHOLE.draw]
+    return [
       WHOLE.draw,
       (render) => {
         wearing(subject.object, subject.material, other, render)
       },
-    ])
+    ]
   }
 
   #split(): void {
@@ -77,6 +88,7 @@ export class Comparison {
       this.#other = this.#make(material, method)
     }
     follow(this.#other, material)
+    this.#drawWhenReady(this.#other)
     wearing(subject.object, material, this.#other, render)
   }
 
@@ -84,13 +96,19 @@ export class Comparison {
     this.#other?.dispose()
     const other = otherMaterial(material, method)
     other.onError = this.onError
-    other.ready.then(
+    return other
+  }
+
+  /** Draws again once what the other material was last asked for is there. */
+  #drawWhenReady({ ready }: DiffractionMaterial): void {
+    if (ready === this.#awaited) return
+    this.#awaited = ready
+    ready.then(
       () => {
         this.viewer.invalidate()
       },
       () => undefined,
     )
-    return other
   }
 }
 

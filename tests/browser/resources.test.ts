@@ -1,4 +1,5 @@
 import { afterAll, beforeAll, describe, expect, it } from 'vitest'
+import type { OpticsSettings } from '../../web'
 import type { MaterialDescription, SurfaceDescription } from './harness/scene-description'
 import { openHarness } from './open-harness.mjs'
 import { floats, type HarnessHandle } from './read-scene'
@@ -90,6 +91,26 @@ describe.each(shared.slice(1))('%s in the place of a grating', (_name, surface) 
     expect(aluminium).toEqual(before)
     expect(redrawn).toEqual(gratings)
     expect(gone).toEqual(empty)
+    expect(harness.complaints).toEqual([])
+  })
+})
+
+describe('a height field whose settings change', () => {
+  it.each([
+    ['metal', { metal: 'gold' }],
+    ['nodes', { environmentNodes: 3 }],
+  ] as const)('is drawn as before until samples for its %s are there', async (_name, settings) => {
+    const { textures, ...pictures } = await harness.page.evaluate(
+      (request) => window.harness.drawLate(...request),
+      [{ ...bumps, ior: null }, settings] as [SurfaceDescription, Partial<OpticsSettings>],
+    )
+    const { before, meanwhile, after, fresh } = pictures
+    expect(floats(before).filter((value) => value !== 0).length).toBeGreaterThan(1000)
+    expect(meanwhile).toBe(before)
+    expect(after).not.toBe(before)
+    expect(after).toBe(fresh)
+    // What was drawn before is freed.
+    expect(textures[1]).toBe(textures[0])
     expect(harness.complaints).toEqual([])
   })
 })

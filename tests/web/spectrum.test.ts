@@ -6,7 +6,7 @@ import { arcNodes } from '../../web/spectrum/arc-nodes'
 import { lobeTexture } from '../../web/spectrum/lobe-texture'
 import { maxOrder } from '../../web/spectrum/max-order'
 import { metalReflectance } from '../../web/spectrum/metal-reflectance'
-import { solveLinear } from '../../web/spectrum/solve-linear'
+import { solvePositive } from '../../web/spectrum/solve-positive'
 import {
   nodesTexture,
   seenIn,
@@ -234,25 +234,48 @@ describe('nodes along an arc', () => {
   })
 })
 
-describe('linear equations', () => {
-  it('are solved where a pivot is zero, for several right sides', () => {
-    const matrix = [
-      [0, 2, 1],
-      [1, 0, 3],
-      [4, 1, 0],
-    ]
-    const solution = [
-      [1, -2],
-      [2, 0.5],
-      [-3, 4],
-    ]
-    const right = matrix.map((row) =>
-      [0, 1].map((c) => row.reduce((sum, value, k) => sum + value * solution[k]![c]!, 0)),
+describe('equations of a positive definite matrix', () => {
+  /** Of a function of row and column that is symmetric; what is left of the diagonal is not to be read. */
+  function matrix(size: number, at: (i: number, j: number) => number): Float64Array[] {
+    return Array.from({ length: size }, (_, i) =>
+      Float64Array.from({ length: size }, (_, j) => (j < i ? NaN : at(i, j))),
     )
-    const found = solveLinear(matrix, right)
-    found.flat().forEach((value, i) => {
-      expect(value).toBeCloseTo(solution.flat()[i]!, 12)
+  }
+
+  function times(at: (i: number, j: number) => number, column: Float64Array): Float64Array {
+    return column.map((_, i) => column.reduce((sum, value, j) => sum + at(i, j) * value, 0))
+  }
+
+  it.each([1, 2, 3])('are solved for several right sides: %s of them', (size) => {
+    // L Lᵀ of the rows 2; 1, 3; −1, 0.5, 1.
+    const whole = [
+      [4, 2, -2],
+      [2, 10, 0.5],
+      [-2, 0.5, 2.25],
+    ]
+    const at = (i: number, j: number): number => whole[i]![j]!
+    const solution = [
+      [1, 2, -3],
+      [-2, 0.5, 4],
+    ].map((column) => Float64Array.from(column.slice(0, size)))
+    const columns = solution.map((column) => times(at, column))
+    solvePositive(matrix(size, at), columns)
+    columns.forEach((column, c) => {
+      column.forEach((value, i) => {
+        expect(value).toBeCloseTo(solution[c]![i]!, 12)
+      })
     })
+  })
+
+  it('are solved where as many as nodes can be stand for a path that is nearly smooth', () => {
+    const at = (i: number, j: number): number =>
+      ((i + 1) / 400) ** 1.5 + ((j + 1) / 400) ** 1.5 - (Math.abs(i - j) / 400) ** 1.5
+    const solution = new Float64Array(400).map((_, i) => Math.sin(i))
+    const columns = [times(at, solution)]
+    solvePositive(matrix(400, at), columns)
+    // The matrix' largest eigenvalue is 1e6 times its least.
+    const worst = Math.max(...columns[0]!.map((value, i) => Math.abs(value - solution[i]!)))
+    expect(worst).toBeLessThan(1e-9)
   })
 })
 

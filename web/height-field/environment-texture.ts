@@ -3,7 +3,7 @@ import { LazyCode } from '../lazy-code.ts'
 import type { LoadedMap } from '../maps/load.ts'
 import { filtered, sharedInSteps } from '../maps/shared-texture.ts'
 import { metalReflectance } from '../spectrum/metal-reflectance.ts'
-import { spectralNodes } from '../spectrum/spectral-nodes.ts'
+import { seenIn, spectralNodes } from '../spectrum/spectral-nodes.ts'
 import type { Steps } from '../steps.ts'
 import type { Metal } from '../surfaces/surface.ts'
 import type { EnvironmentSample } from './environment-samples.ts'
@@ -32,10 +32,7 @@ export function environmentTexture(
   const name = `samples ${lobes.url} ${metal ?? 'mirror'} ${count}`
   return sharedInSteps(relief, name, function* () {
     const reflectance = metal === null ? () => 1 : metalReflectance(metals, metal)
-    const nodes = spectralNodes(lobes, BANDS, 'weighted').map((node) => ({
-      ...node,
-      tints: node.tints.map((value) => value * reflectance(node.wavelength)),
-    }))
+    const nodes = seenIn(spectralNodes(lobes, BANDS, 'weighted'), reflectance)
     const { environmentSamples } = samplesCode.code!
     return samplesTexture(yield* environmentSamples(reliefSpectrum(relief), nodes, count))
   })

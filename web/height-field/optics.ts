@@ -1,7 +1,7 @@
-import type { IUniform } from 'three'
+import type { DataTexture, IUniform } from 'three'
 import type { LoadedMap } from '../maps/load.ts'
 import { spectrumOptics } from '../spectrum/spectrum-optics.ts'
-import { atOnce, bitByBit } from '../steps.ts'
+import { atOnce, bitByBit, type Steps } from '../steps.ts'
 import type { Feature, LightOptics, Metal, Optics, OpticsSettings } from '../surfaces/surface.ts'
 import { bakedPattern } from './baked-pattern.ts'
 import type { Tiles } from './cut-window.ts'
@@ -24,17 +24,6 @@ export interface Pattern {
   underLights: (angularRadius: number) => LightOptics
 }
 
-/** Makes what an environment reads, in between frames: only a frame tells whether there is one, and is no time for such work. */
-export async function prepareEnvironment(
-  { relief, lobes, metals }: HeightFieldMaps,
-  settings: OpticsSettings,
-  isDielectric: boolean,
-): Promise<void> {
-  await samplesCode.load()
-  const metal = metalOf(settings, isDielectric)
-  await bitByBit(environmentTexture(relief, lobes, metals, metal, settings.environmentNodes))
-}
-
 /** Null: a perfect mirror. Relative to a flat surface of the same metal, its reflectance cancels. */
 function metalOf({ energy, metal }: OpticsSettings, isDielectric: boolean): Metal | null {
   return energy === 'relative' || isDielectric ? null : metal
@@ -55,6 +44,8 @@ export function heightFieldOptics(
   const { method, energy, environmentNodes, roughness } = settings
   const isRelative = energy === 'relative'
   const metal = metalOf(settings, isDielectric)
+  const samples = (): Steps<DataTexture> =>
+    environmentTexture(relief, lobes, metals, metal, environmentNodes)
   const pattern =
     method === 'baked'
       ? bakedPattern(relief, settings, isDielectric, tiles)
@@ -65,6 +56,7 @@ export function heightFieldOptics(
       ...defines,
       ...pattern.defines,
       ...(isRelative && { ENERGY_RELATIVE: '' }),
+      ...(isDielectric && { DIELECTRIC: '' }),
       ENVIRONMENT_SAMPLES: lookups(environmentNodes),
       ENVIRONMENT_W_STEPS: W_STEPS,
       MIRROR_LOOKUPS: roughness > 0 ? 4 : 1,
@@ -76,11 +68,16 @@ export function heightFieldOptics(
     // Samples are merged over wavelengths: there are no others in between.
     blursEnvironment: false,
     environmentRefinement: null,
-    environmentUniforms: () => ({
-      uEnvironmentSamples: {
-        value: atOnce(environmentTexture(relief, lobes, metals, metal, environmentNodes)),
-      },
-    }),
+    environmentUniforms: () => ({ uEnvironmentSamples: { value: atOnce(samples()) } }),
+    // Only a frame tells whether there is an environment, and is no time for such work.
+    prepare: (isWanted) => {
+      const steps = samples()
+      if (samplesCode.code !== null && steps.next().done === true) return null
+      const wanted = function* (): Steps<void> {
+        while (isWanted() && steps.next().done !== true) yield
+      }
+      return samplesCode.load().then(() => bitByBit(wanted()))
+    },
     features: [
       ...pattern.features,
       { feature: "the metal's colour", included: metal !== null, why: whyMetal(energy, metal) },

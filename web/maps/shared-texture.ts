@@ -13,7 +13,12 @@ export function sharedTexture<T extends Texture>(map: LoadedMap, name: string, m
   return texture as T
 }
 
-/** Likewise, of what takes long to make. */
+/** What was begun last of each map and may not be finished. */
+const begun = new WeakMap<LoadedMap, { name: string; steps: Steps<Texture> }>()
+
+/**
+ * Likewise, of what takes long to make: no step where it was made before. Whoever wants what another has begun goes on with it.
+ */
 export function* sharedInSteps<T extends Texture>(
   map: LoadedMap,
   name: string,
@@ -21,9 +26,21 @@ export function* sharedInSteps<T extends Texture>(
 ): Steps<T> {
   const known = made.get(map)?.get(name)
   if (known !== undefined) return known as T
-  const texture = yield* make()
-  // Another material may have been first, while this one waited.
-  return sharedTexture(map, name, () => texture)
+  const last = begun.get(map)
+  const work = last?.name === name ? last : { name, steps: make() as Steps<Texture> }
+  begun.set(map, work)
+  for (;;) {
+    yield
+    try {
+      const step = work.steps.next()
+      // One that another has finished is found where that one put it.
+      if (step.done === true) return sharedTexture(map, name, () => step.value as T)
+    } catch (error) {
+      // What has failed would go on as if it were done.
+      work.steps = make()
+      throw error
+    }
+  }
 }
 
 /** Texels as they are, without blending between them. */

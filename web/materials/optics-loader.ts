@@ -28,8 +28,8 @@ export class OpticsLoader {
   ) {}
 
   /**
-   * Asks for the optics of a surface under these settings: at once where the tables are at hand (and then what does
-   * not fit is thrown), later where they must be fetched. What was last good stays until then, or for good.
+   * Asks for the optics of a surface under these settings: at once where the tables are at hand (and then what does not
+   * fit is thrown) and nothing takes long, later otherwise. What was last good stays until then, or for good.
    */
   request(surface: Surface, settings: OpticsSettings, mapsPath: string): void {
     const wanted = surface.tables(settings, mapsPath)
@@ -37,27 +37,30 @@ export class OpticsLoader {
     // Thrown before anything has changed, where it does not fit.
     const optics = addresses === this.#addresses ? surface.optics(this.#tables, settings) : null
     const request = ++this.#request
+    const isWanted = (): boolean => request === this.#request
     const isRough = settings.roughness > 0 && settings.method === 'closed-form'
     const code = isRough ? roughEnvironment.load() : Promise.resolve()
-    let loading = code
-    if (optics !== null) {
-      this.apply(optics)
-      this.state = 'ready'
-      this.error = null
-    } else {
-      this.state = 'loading'
-      loading = Promise.all([this.#load(wanted), code]).then(async ([tables]) => {
-        if (request === this.#request) await surface.prepare?.(tables, settings)
-        // A later request has its own tables.
-        if (request !== this.#request) return
-        const optics = surface.optics(tables, settings)
-        this.#tables = tables
-        this.#addresses = addresses
-        this.apply(optics)
-        this.state = 'ready'
-        this.error = null
-      })
+    const preparing = optics?.prepare?.(isWanted) ?? null
+    if (optics !== null && preparing === null) {
+      this.#use(optics)
+      this.#await(code, request)
+      return
     }
+    this.state = 'loading'
+    const loading = Promise.all([
+      optics === null ? this.#load(wanted) : this.#tables,
+      code,
+      preparing,
+    ]).then(async ([tables]) => {
+      // A later request has its own tables and settings; whoever waits for this one is told when they are in use.
+      if (!isWanted()) return this.ready
+      const fitting = optics ?? surface.optics(tables, settings)
+      if (optics === null) await fitting.prepare?.(isWanted)
+      if (!isWanted()) return this.ready
+      this.#tables = tables
+      this.#addresses = addresses
+      this.#use(fitting)
+    })
     this.#await(loading, request)
   }
 
@@ -71,6 +74,12 @@ export class OpticsLoader {
       return this.ready
     })
     this.#await(requested, request)
+  }
+
+  #use(optics: Optics): void {
+    this.apply(optics)
+    this.state = 'ready'
+    this.error = null
   }
 
   #await(loading: Promise<void>, request: number): void {

@@ -1,7 +1,7 @@
 import { parameterFromTexel } from '../maps/axes.ts'
 import { arrayOf, type LoadedMap } from '../maps/load.ts'
 import { radicalInverse } from '../refinement/radical-inverse.ts'
-import { solveLinear } from './solve-linear.ts'
+import { product, solvePositive } from './solve-positive.ts'
 import type { SpectralNode } from './spectral-nodes.ts'
 
 /** XYZ in light of each of the three tint bases. */
@@ -9,9 +9,12 @@ const COLUMNS = 9
 
 /**
  * How fast radiance is taken to change along an arc: the mean square of its difference between two wavelengths grows
- * with their distance to this power. 1 is a path of edges, 2 a smooth one.
+ * with their distance to the power of 1.5. 1 is a path of edges, 2 a smooth one.
  */
-const VARIOGRAM = 1.5
+function variogram(a: number, b: number): number {
+  const distance = Math.abs(a - b)
+  return distance * Math.sqrt(distance)
+}
 
 /** Share of the nodes that is spread evenly over the spectrum, so that none of its dim ends goes without. */
 const EVEN_SHARE = 0.1
@@ -29,7 +32,7 @@ interface Cell {
 /**
  * Wavelengths at which the arcs of an environment are read, and the weights by which the readings stand for the whole
  * spectrum: the linear estimate of ∫ W R L dλ that errs least on average over all radiances L(λ) whose differences
- * grow as `VARIOGRAM` says, and not at all where L is the same everywhere (ordinary kriging, Matheron 1963). Nodes are at
+ * grow as `variogram` says, and not at all where L is the same everywhere (ordinary kriging, Matheron 1963). Nodes are at
  * the centroids of bands whose density goes with the root of the weight: the error of a band grows with its weight
  * times the square of its width.
  *
@@ -71,9 +74,10 @@ function spectrumCells(
   return Array.from({ length: axis.size - 1 }, (_, i) => {
     const [low, high] = [parameterFromTexel(axis, i), parameterFromTexel(axis, i + 1)]
     const wavelength = (low + high) / 2
+    const seen = reflectance(wavelength)
     const tints = Array.from(
       { length: COLUMNS },
-      (_, c) => reflectance(wavelength) * (data[(i + 1) * COLUMNS + c]! - data[i * COLUMNS + c]!),
+      (_, c) => seen * (data[(i + 1) * COLUMNS + c]! - data[i * COLUMNS + c]!),
     )
     return { wavelength, width: high - low, tints }
   })
@@ -100,27 +104,36 @@ function bandNodes(cells: readonly Cell[], count: number): Omit<SpectralNode, 't
   })
 }
 
-/** The weights of a reading at each of those wavelengths, in µm, one of each frame in turn: nine numbers for each. */
+/**
+ * The weights of a reading at each of those wavelengths, in µm, one of each frame in turn: nine numbers for each.
+ *
+ * An estimate that is exact where the radiance is the same everywhere is one of its differences from that at the first
+ * wavelength. The covariances of these, here twice, are positive definite between the others; the first has the weight
+ * that is left.
+ */
 function estimatorWeights(
   cells: readonly Cell[],
-  wavelengths: readonly number[],
+  [first, ...others]: readonly number[],
   frames: number,
 ): number[][] {
-  const variogram = (a: number, b: number): number => Math.abs(a - b) ** VARIOGRAM
-  const total = Array.from({ length: COLUMNS }, (_, c) => sum(cells.map(({ tints }) => tints[c]!)))
-  const system = wavelengths.map((a) => [...wavelengths.map((b) => variogram(a, b)), 1])
-  const right = wavelengths.map((a) => {
-    const mean = total.map(() => 0)
-    for (const { wavelength, tints } of cells) {
-      const distance = variogram(a, wavelength)
-      for (let c = 0; c < COLUMNS; c++) mean[c]! += distance * tints[c]!
-    }
-    return mean
+  const covariance = (a: number, b: number): number =>
+    variogram(a, first!) + variogram(b, first!) - variogram(a, b)
+  const lights = Array.from({ length: COLUMNS }, (_, c) =>
+    new Float64Array(cells.length).map((_, cell) => cells[cell]!.tints[c]!),
+  )
+  const columns = lights.map(() => new Float64Array(others.length))
+  const rows = others.map((a, i) => {
+    const withCells = new Float64Array(cells.length).map((_, cell) =>
+      covariance(a, cells[cell]!.wavelength),
+    )
+    lights.forEach((light, c) => (columns[c]![i] = product(withCells, light)))
+    return new Float64Array(others.length).map((_, j) => (j < i ? 0 : covariance(a, others[j]!)))
   })
-  // The last row: a radiance that is the same everywhere is summed exactly.
-  system.push([...wavelengths.map(() => 1), 0])
-  right.push(total)
-  return shared(solveLinear(system, right).slice(0, -1), total, frames)
+  solvePositive(rows, columns)
+  const total = lights.map(sum)
+  const weights = others.map((_, i) => columns.map((column) => column[i]!))
+  const rest = total.map((amount, c) => amount - sum(columns[c]!))
+  return shared([rest, ...weights], total, frames)
 }
 
 /**
@@ -185,6 +198,8 @@ class Cumulative {
   }
 }
 
-function sum(values: readonly number[]): number {
-  return values.reduce((total, value) => total + value, 0)
+function sum(values: readonly number[] | Float64Array): number {
+  let total = 0
+  for (const value of values) total += value
+  return total
 }

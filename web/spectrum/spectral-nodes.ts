@@ -1,6 +1,7 @@
-import { DataTexture, FloatType, NearestFilter, RGBAFormat } from 'three'
+import { DataTexture, FloatType, RGBAFormat } from 'three'
 import { parameterFromTexel, texelFromParameter } from '../maps/axes.ts'
 import { arrayOf, type LoadedMap } from '../maps/load.ts'
+import { unfiltered } from '../maps/shared-texture.ts'
 
 /** A band of the visible spectrum. */
 export interface SpectralNode {
@@ -80,10 +81,7 @@ export function nodesTexture(nodes: readonly SpectralNode[]): DataTexture {
       rows.set(texel, (row * nodes.length + i) * 4)
     })
   })
-  const texture = new DataTexture(rows, nodes.length, 3, RGBAFormat, FloatType)
-  texture.minFilter = texture.magFilter = NearestFilter
-  texture.needsUpdate = true
-  return texture
+  return unfiltered(new DataTexture(rows, nodes.length, 3, RGBAFormat, FloatType))
 }
 
 type Axis = Parameters<typeof parameterFromTexel>[0]

@@ -5,11 +5,18 @@ import type { Metal } from '../surfaces/surface.ts'
 import { arcNodes } from './arc-nodes.ts'
 import { lobeTexture } from './lobe-texture.ts'
 import { metalReflectance } from './metal-reflectance.ts'
-import { nodesTexture, seenIn, spectralNodes, type Placement } from './spectral-nodes.ts'
+import {
+  nodesTexture,
+  seenIn,
+  spectralNodes,
+  type Placement,
+  type SpectralNode,
+} from './spectral-nodes.ts'
 
 /** The spectral textures of one illuminant seen in one metal; each is made once and shared by all materials. */
 export class SpectralTextures {
   readonly #reflectance: (wavelength: number) => number
+  readonly #arcs = new Map<string, SpectralNode[]>()
 
   constructor(
     private readonly lobes: LoadedMap,
@@ -31,19 +38,23 @@ export class SpectralTextures {
   }
 
   arcNodes(count: number): DataTexture {
-    return this.#once(`arc ${count}`, () =>
-      nodesTexture(arcNodes(this.lobes, count, this.#reflectance)),
-    )
+    return this.#once(`arc ${count}`, () => nodesTexture(this.#arc(count, 1)))
   }
 
   /** Those of `arcNodes(count)`, and then those of so many frames that share a spectrum. */
   refinedArcNodes(count: number, frames: number): DataTexture {
     return this.#once(`arc ${count} of ${frames}`, () =>
-      nodesTexture([
-        ...arcNodes(this.lobes, count, this.#reflectance),
-        ...arcNodes(this.lobes, count, this.#reflectance, frames),
-      ]),
+      nodesTexture([...this.#arc(count, 1), ...this.#arc(count, frames)]),
     )
+  }
+
+  /** Made once for the two textures above, which are asked for in the same frame. */
+  #arc(count: number, frames: number): SpectralNode[] {
+    const name = `${count} ${frames}`
+    let nodes = this.#arcs.get(name)
+    if (nodes === undefined)
+      this.#arcs.set(name, (nodes = arcNodes(this.lobes, count, this.#reflectance, frames)))
+    return nodes
   }
 
   #once(name: string, make: () => DataTexture): DataTexture {

@@ -4,11 +4,7 @@ import { DiffractionError } from '../errors.ts'
 import { heightFieldShaders } from '../glsl/height-field-shaders.ts'
 import { expectKinds, type LoadedMap } from '../maps/load.ts'
 import { unlikeBaked } from '../height-field/baked-pattern.ts'
-import {
-  heightFieldOptics,
-  prepareEnvironment,
-  type HeightFieldMaps,
-} from '../height-field/optics.ts'
+import { heightFieldOptics } from '../height-field/optics.ts'
 import { spectrumUrls } from '../spectrum/spectrum-maps.ts'
 import { within } from '../validation.ts'
 import type { Tiles } from '../height-field/cut-window.ts'
@@ -43,6 +39,7 @@ export class HeightField implements Surface {
   readonly name = 'HeightField'
   readonly glsl = heightFieldGlsl
   readonly glslFiles = heightFieldShaders
+  readonly defines = {}
   readonly planarGratings = null
   readonly methods: readonly Method[]
   readonly energies = ['kirchhoff', 'relative'] as const
@@ -86,10 +83,6 @@ export class HeightField implements Surface {
 
   get version(): number {
     return this.#version
-  }
-
-  get defines(): Record<string, string | boolean> {
-    return { DIELECTRIC: this.#isDielectric }
   }
 
   /** Angle from growing u to the patch's x axis, rad. */
@@ -152,22 +145,14 @@ export class HeightField implements Surface {
     )
   }
 
-  prepare(tables: Record<string, LoadedMap>, settings: OpticsSettings): Promise<void> {
-    return prepareEnvironment(this.#mapsOf(tables, settings), settings, this.#isDielectric)
-  }
-
   optics(tables: Record<string, LoadedMap>, settings: OpticsSettings): Optics {
-    const maps = this.#mapsOf(tables, settings)
-    this.#learn(maps.relief)
-    return heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
-  }
-
-  #mapsOf(tables: Record<string, LoadedMap>, { method }: OpticsSettings): HeightFieldMaps {
-    return expectKinds(this.name, tables, {
-      relief: method === 'baked' ? 'height-field-baked' : 'height-field-terms',
+    const maps = expectKinds(this.name, tables, {
+      relief: settings.method === 'baked' ? 'height-field-baked' : 'height-field-terms',
       lobes: 'lobes',
       metals: 'metals',
     })
+    this.#learn(maps.relief)
+    return heightFieldOptics(maps, settings, this.#isDielectric, this.tiles)
   }
 
   /** A recipe says which methods have maps: materials that choose one look again. */

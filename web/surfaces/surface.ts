@@ -7,7 +7,7 @@ export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
 export type Metal = (typeof METALS)[number]
 
 export const ENERGIES = ['conserving', 'reciprocal', 'kirchhoff', 'relative'] as const
-/** How light is normalised over the directions into which it goes: docs/theory.md, sections 2 and 7. */
+/** How light is normalised over the directions into which it goes: docs/theory/gratings.md and height-fields.md. */
 export type Energy = (typeof ENERGIES)[number]
 
 export const METHODS = [
@@ -100,6 +100,13 @@ export interface Optics {
   blursEnvironment: boolean
   /** What of the optics depends on the largest angular radius of the lights in the scene, rad. */
   underLights: (angularRadius: number) => LightOptics
+  /**
+   * Does what takes long, in between frames, before the optics are used; rejects with a DiffractionError where a table does not
+   * serve. Returns null where all is done; absent where nothing takes long.
+   *
+   * @param isWanted - asked every now and then: false leaves the rest undone, and the promise resolves
+   */
+  prepare?: (isWanted: () => boolean) => Promise<void> | null
 }
 
 /**
@@ -146,13 +153,6 @@ export interface Surface {
    * tables.
    */
   methodsKnown(settings: OpticsSettings): readonly Method[]
-  /**
-   * Does what takes long of the optics for those tables, in between frames; they are asked for when it has resolved. Rejects
-   * with a DiffractionError as `optics` throws one.
-   *
-   * @param tables - the maps at those addresses, by the same names
-   */
-  prepare?(tables: Record<string, LoadedMap>, settings: OpticsSettings): Promise<void>
   /**
    * Defines and uniforms for those tables; throws a DiffractionError if they do not cover the surface.
    *

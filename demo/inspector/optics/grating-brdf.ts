@@ -26,7 +26,7 @@ const LEAST_EFFICIENCY = 1e-4
 const LEAST_DENSITY = 1e-9
 
 /**
- * f_r(ω_i, ω_o, λ) in 1/sr as a sum over orders' powers (docs/theory.md, section 2): exact for σ ≥ a, where orders do not
+ * f_r(ω_i, ω_o, λ) in 1/sr as a sum over orders' powers (docs/theory/gratings.md): exact for σ ≥ a, where orders do not
  * interfere.
  *
  * @param wi - ω_i; there is nothing below the horizon, as for ω_o

@@ -7,7 +7,7 @@ import { TiltedEnvironment } from './tilted-environment'
 const LEAST_SHARE = 1e-6
 
 /**
- * Light of an environment that a grating sends to the viewer: an arc of it for each order (docs/theory.md, section 6).
+ * Light of an environment that a grating sends to the viewer: an arc of it for each order (docs/theory/environments.md).
  *
  * @param wo - ω_o, above the horizon
  * @param wavelengths - µm

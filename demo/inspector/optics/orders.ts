@@ -13,7 +13,7 @@ export function squaredCosine([t, , n]: Direction, offset: number): number {
 }
 
 /**
- * Where order m leaves for, or comes from: (ω_m)_xy = −ω_xy + (mλ/a) t (docs/theory.md, section 1); null where it does not
+ * Where order m leaves for, or comes from: (ω_m)_xy = −ω_xy + (mλ/a) t (docs/theory/geometry.md); null where it does not
  * propagate. wavelength, period: µm.
  */
 export function orderDirection(

@@ -13,7 +13,7 @@ const WIDEST_BAND = 20
 const EVEN = 33
 
 /**
- * Light of an environment that a relief sends to the viewer: an arc of it for each line (docs/theory.md, section 7). Bands of
+ * Light of an environment that a relief sends to the viewer: an arc of it for each line (docs/theory/height-fields.md). Bands of
  * the fainter lines are wider; those of neighbours begin elsewhere.
  *
  * @param wo - ω_o, above the horizon

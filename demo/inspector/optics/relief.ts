@@ -7,7 +7,7 @@ import { sumOf, type Direction } from './orders'
 /** A line of a relief's spectrum: number along x, number along y. */
 export type Line = readonly [j: number, l: number]
 
-/** The spectrum of a repeating relief, as its map of kind 'height-field-terms' holds it (docs/theory.md, section 7). */
+/** The spectrum of a repeating relief, as its map of kind 'height-field-terms' holds it (docs/theory/height-fields.md). */
 export class Relief {
   /** Periods of the patch along x and y, µm. */
   readonly patch: readonly [number, number]
@@ -93,7 +93,7 @@ export interface ReliefOptics extends Widening {
 /** Lobes are looked at to this many standard deviations. */
 const REACH = 5.3
 
-/** f_r(ω_i, ω_o, λ) by the powers of the lines, blurred by a light of some size (docs/theory.md, section 7). */
+/** f_r(ω_i, ω_o, λ) by the powers of the lines, blurred by a light of some size (docs/theory/height-fields.md). */
 export function reliefBrdf(
   { relief, reflectance, isRelative, ...widening }: ReliefOptics,
   wi: Direction,

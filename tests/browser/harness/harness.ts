@@ -1,7 +1,8 @@
 import { WebGLRenderer } from 'three'
 import { drawLayer, type LayeredPicture, type LayerRequest } from './layer'
-import { countCompilations } from './recompilation'
+import { drawLate, type LateReport } from './late-settings'
 import { passThroughGltf, type GltfOutcome, type GltfRequest } from './gltf'
+import { countCompilations } from './recompilation'
 import { reportRefinement } from './refinement'
 import { drawPlanarFrames, type PlanarFrame, type PlanarStep } from './planar'
 import { renderScene, type RenderedScene } from './render'
@@ -46,6 +47,8 @@ export interface Harness {
   drawRestored: (
     ...request: Parameters<typeof drawRestored>
   ) => Promise<Transferred<RestoredReport>>
+  /** Pictures while settings change that take long to follow. */
+  drawLate: (...request: Parameters<typeof drawLate>) => Promise<Transferred<LateReport>>
   /** What refining a scene at rest does. */
   reportRefinement: typeof reportRefinement
   /** Draws frames of one scene, one for each step. */
@@ -105,6 +108,14 @@ window.harness = {
   drawRestored: async (...request) => {
     const { before, after, lit } = await drawRestored(...request)
     return { before: base64(before), after: base64(after), lit }
+  },
+  drawLate: async (...request) => {
+    const { textures, ...pictures } = await drawLate(...request)
+    const { before, meanwhile, after, fresh } = pictures
+    return {
+      ...{ before: base64(before), meanwhile: base64(meanwhile) },
+      ...{ after: base64(after), fresh: base64(fresh), textures },
+    }
   },
   reportRefinement,
   passThroughGltf: (request) => passThroughGltf(renderer, request),
