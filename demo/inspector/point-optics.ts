@@ -7,10 +7,18 @@ import { metalReflectance } from '../../web/spectrum/metal-reflectance'
 import { profileUrl } from '../../web/surfaces/profile'
 import { spectrumUrls } from '../../web/spectrum/spectrum-maps'
 import type { Subject } from '../subjects/subject'
+import { coatPassing, type Coat } from './optics/coat'
 import { efficiencyOf } from './optics/efficiency'
+import { bentFrame } from './optics/foil-bumps'
+import { fresnel } from './optics/fresnel'
 import type { GratingOptics } from './optics/grating-brdf'
 import { gratingAt, type GratingAt } from './optics/grating-at'
-import { LightSpectrum, illuminantSpectrum } from './optics/light-spectrum'
+import {
+  LightSpectrum,
+  illuminantA,
+  illuminantSpectrum,
+  type Colour,
+} from './optics/light-spectrum'
 import type { Direction } from './optics/orders'
 import { Relief, type ReliefOptics } from './optics/relief'
 import type { PickedPoint, PointFrame } from './picked-point'
@@ -37,8 +45,8 @@ export interface SpectralTables {
 /** Addresses of the tables; null for those that a surface has none of. */
 interface Addresses {
   lobes: string
-  /** Of the same observer and illuminant A; null where that is the illuminant. */
-  a: string | null
+  /** Folder of the maps whose illuminants are known. */
+  known: string
   metals: string
   profile: string | null
   relief: string | null
@@ -62,12 +70,12 @@ export function loadTables(subject: Subject): Promise<SpectralTables> {
 }
 
 function addressesOf({ surface, material }: Subject): Addresses {
-  const { mapsPath, illuminant, observer } = material
+  const { mapsPath } = material
   const { lobes, metals } = spectrumUrls(material, mapsPath)
   const isRelief = surface instanceof HeightField
   return {
     ...{ lobes, metals },
-    a: illuminant === 'A' ? null : `${mapsPath}lobes-${observer}-A`,
+    known: mapsPath,
     profile: isRelief ? null : profileUrl('inspector', surface.profile, mapsPath),
     relief: isRelief
       ? `${surface.field.includes('/') ? '' : `${mapsPath}height-field-`}${surface.field}-jacobi-anger`
@@ -78,10 +86,9 @@ function addressesOf({ surface, material }: Subject): Addresses {
 async function load(addresses: Addresses): Promise<SpectralTables> {
   const map = (url: string | null): Promise<LoadedMap | null> =>
     url === null ? Promise.resolve(null) : loadSharedMap(url)
-  const [lobes, metals, a, profile, relief] = await Promise.all([
+  const [lobes, metals, profile, relief] = await Promise.all([
     loadSharedMap(addresses.lobes),
     loadSharedMap(addresses.metals),
-    map(addresses.a),
     map(addresses.profile),
     map(addresses.relief),
   ])
@@ -89,10 +96,29 @@ async function load(addresses: Addresses): Promise<SpectralTables> {
   return {
     maps: { lobes, metals, profile, relief },
     spectrum,
-    illuminant: illuminantSpectrum(spectrum, a === null ? spectrum : new LightSpectrum(a)),
+    illuminant: await illuminantOf(lobes, spectrum, addresses.known),
     relief: relief === null ? null : new Relief(relief),
   }
 }
+
+/** The illuminant of a map of kind 'lobes', relative to A's for the observer of 1931, to D65's for others. */
+async function illuminantOf(
+  lobes: LoadedMap,
+  spectrum: LightSpectrum,
+  mapsPath: string,
+): Promise<Float64Array> {
+  const { observer } = lobes.sidecar.recipe
+  const load = async (name: string): Promise<LightSpectrum> =>
+    new LightSpectrum(await loadSharedMap(`${mapsPath}lobes-${name}`))
+  const a = await load('1931-2-A')
+  const powerOfA = a.wavelengths.map(illuminantA)
+  if (observer === '1931-2') return illuminantSpectrum(spectrum, a, powerOfA)
+  const powerOfD65 = illuminantSpectrum(await load('1931-2-D65'), a, powerOfA)
+  return illuminantSpectrum(spectrum, await load(`${String(observer)}-D65`), powerOfD65)
+}
+
+/** t, b, n in the world, orthonormal. */
+export type Axes = [t: Vector3, b: Vector3, n: Vector3]
 
 /** Everything that the pictures of one point are made from. */
 export interface PointOptics {
@@ -101,17 +127,21 @@ export interface PointOptics {
   point: PickedPoint
   frame: PointFrame
   /** Axes t, b, n of the grating, or of the relief's patch, in the world. */
-  axes: [t: Vector3, b: Vector3, n: Vector3]
+  axes: Axes
   /** ω_i to the flash and ω_o to the camera, in these axes. */
   wi: Direction
   wo: Direction
   /** The flash' irradiance on a plane that faces it, and its standard deviation, rad. */
   irradiance: number
   angularRadius: number
+  /** The lacquer, if there is one: its normal is the mesh's, whatever bumps do below it. */
+  lacquer: { coat: Coat; axes: Axes; wi: Direction; wo: Direction } | null
+  /** Whether the mesh turns this side to the camera. */
+  isSeen: boolean
   /** Share of the light that passes the lacquer from the flash, and from all sides. */
   through: { flash: number; environment: number }
-  /** What the matt base returns of the flash where nothing diffracts, linear sRGB. */
-  base: [number, number, number]
+  /** Albedo of the matt base where nothing diffracts, linear sRGB. */
+  albedo: Colour
   strength: number
   /** One of the two. Neither where nothing diffracts. */
   grating: { at: GratingAt; optics: GratingOptics | null } | null
@@ -132,22 +162,31 @@ export function pointOptics(
   { eye, flash }: Situation,
 ): PointOptics {
   const at = surface instanceof HeightField ? null : gratingAt(surface, point.uv.x, point.uv.y)
-  const turn = surface instanceof HeightField ? surface.orientation : at!.orientation
-  const axes = turned(frame, turn)
+  const flat: Axes = [frame.tangent, frame.bitangent, frame.normal]
+  const axes = turned(
+    surface instanceof Foil && surface.hasBumps ? bentFrame(flat, surface, point.uv) : flat,
+    surface instanceof HeightField ? surface.orientation : at!.orientation,
+  )
   const toFlash = flash.position.clone().sub(frame.position)
-  const distance2 = toFlash.lengthSq()
-  const wi = within(axes, toFlash.normalize())
-  const wo = within(axes, eye.clone().sub(frame.position).normalize())
-  const widening = { coherence: material.coherence, roughness: material.roughness }
+  const toEye = eye.clone().sub(frame.position).normalize()
   // As three's point lights fall off.
-  const irradiance = flash.intensity / Math.max(distance2, 0.01)
-  const cosine = Math.max(wi[2], 0)
-  const passing = [coatPassing(material, wi[2]), coatPassing(material, wo[2])] as const
+  const irradiance = flash.intensity / Math.max(toFlash.lengthSq(), 0.01)
+  toFlash.normalize()
+  const widening = { coherence: material.coherence, roughness: material.roughness }
+  const lacquer = lacquerOf(material, flat, toFlash, toEye)
+  const passing =
+    lacquer && [lacquer.wi, lacquer.wo].map((way) => coatPassing(lacquer.coat, way[2]))
   return {
-    ...{ tables, surface, point, frame, axes, wi, wo, irradiance },
+    ...{ tables, surface, point, frame, axes, irradiance, lacquer },
+    wi: within(axes, toFlash),
+    wo: within(axes, toEye),
+    isSeen: toEye.dot(frame.normal) > 0,
     angularRadius: flash.angularRadius,
-    through: { flash: passing[0] * passing[1], environment: passing[1] ** 2 },
-    base: matt(baseColor(material, point), (irradiance * cosine) / Math.PI),
+    through: {
+      flash: passing === null ? 1 : passing[0]! * passing[1]!,
+      environment: passing === null ? 1 : passing[1]! ** 2,
+    },
+    albedo: baseColor(material, point).toArray() as Colour,
     strength: at?.strength ?? (surface as HeightField).strength,
     grating: at && {
       at,
@@ -197,17 +236,19 @@ function reliefReflectance(
   }
 }
 
-/** Reflectance of a smooth dielectric for unpolarised light: Fresnel's equations. */
-function fresnel(cosine: number, ior: number): number {
-  const inside = Math.sqrt(ior ** 2 - 1 + cosine ** 2)
-  const s = (cosine - inside) / (cosine + inside)
-  const p = (ior ** 2 * cosine - inside) / (ior ** 2 * cosine + inside)
-  return (s * s + p * p) / 2
-}
-
-/** Share of light that passes the lacquer once. */
-function coatPassing({ coat, coatIor }: DiffractionMaterial, cosine: number): number {
-  return coat === 0 ? 1 : 1 - coat * fresnel(Math.min(Math.max(cosine, 0), 1), coatIor)
+function lacquerOf(
+  { coat, coatIor, coatRoughness }: DiffractionMaterial,
+  axes: Axes,
+  toFlash: Vector3,
+  toEye: Vector3,
+): PointOptics['lacquer'] {
+  if (coat === 0) return null
+  return {
+    coat: { share: coat, ior: coatIor, alpha: coatRoughness ** 2 },
+    axes,
+    wi: within(axes, toFlash),
+    wo: within(axes, toEye),
+  }
 }
 
 /** The matt base's albedo, of scales the instance's own. */
@@ -219,12 +260,8 @@ function baseColor({ color }: DiffractionMaterial, { mesh, instance }: PickedPoi
   return base.multiply(own)
 }
 
-function matt({ r, g, b }: Color, factor: number): [number, number, number] {
-  return [r * factor, g * factor, b * factor]
-}
-
 /** The frame turned about its normal, tangent towards bitangent. */
-function turned({ tangent, bitangent, normal }: PointFrame, angle: number): PointOptics['axes'] {
+function turned([tangent, bitangent, normal]: Axes, angle: number): Axes {
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)]
   return [
     tangent.clone().multiplyScalar(cos).addScaledVector(bitangent, sin),
@@ -233,6 +270,6 @@ function turned({ tangent, bitangent, normal }: PointFrame, angle: number): Poin
   ]
 }
 
-function within(axes: PointOptics['axes'], direction: Vector3): Direction {
+function within(axes: Axes, direction: Vector3): Direction {
   return [direction.dot(axes[0]), direction.dot(axes[1]), direction.dot(axes[2])]
 }

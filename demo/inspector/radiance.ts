@@ -1,3 +1,4 @@
+import { coatHighlight, coatMirror } from './optics/coat'
 import type { EnvironmentLight } from './optics/environment-light'
 import { gratingBrdf } from './optics/grating-brdf'
 import { gratingUnderEnvironment } from './optics/grating-environment'
@@ -10,37 +11,39 @@ import type { PointOptics } from './point-optics'
 export interface Radiance {
   /** Of what is diffracted, one for each nanometre. */
   factors: Float64Array
-  /** Linear sRGB, the matt base's share included. */
+  /** Linear sRGB of all that is seen: also of the matt base, and of what the lacquer reflects. */
   colour: Colour
 }
 
 /** Radiance from the flash: f_r(λ) cosθ_i E(λ), at each nanometre. */
 export function flashRadiance(optics: PointOptics): Radiance {
-  const { tables, wi, wo, irradiance, angularRadius, through, strength, base } = optics
+  const { tables, wi, irradiance, angularRadius, through, strength, lacquer, isSeen } = optics
   const { spectrum } = tables
-  const scale = Math.max(wi[2], 0) * irradiance * through.flash
+  const lit = Math.max(wi[2], 0) * irradiance * through.flash
   const factors = Float64Array.from(spectrum.wavelengths, (wavelength) =>
-    scale === 0 ? 0 : scale * strength * brdf(optics, wavelength),
+    lit === 0 ? 0 : lit * strength * brdf(optics, wavelength),
   )
-  const colour = spectrum.colour(factors)
-  const isSeen = wo[2] > 0
+  const highlight =
+    lacquer === null
+      ? 0
+      : irradiance * coatHighlight(lacquer.coat, lacquer.wi, lacquer.wo, angularRadius)
+  const base = isSeen ? (lit * (1 - strength)) / Math.PI : 0
+  const diffracted = spectrum.colour(factors)
   return {
     factors,
-    colour: colour.map(
-      (value, c) => value + (isSeen ? (1 - strength) * through.flash * base[c]! : 0),
-    ) as Colour,
+    colour: diffracted.map((value, c) => value + base * optics.albedo[c]! + highlight) as Colour,
   }
+}
 
-  function brdf({ grating, relief }: PointOptics, wavelength: number): number {
-    if (relief !== null) return reliefBrdf(relief, wi, wo, wavelength, angularRadius)
-    if (!grating?.optics) return 0
-    return gratingBrdf(grating.optics, wi, wo, wavelength, angularRadius)
-  }
+function brdf({ grating, relief, wi, wo, angularRadius }: PointOptics, wavelength: number): number {
+  if (relief !== null) return reliefBrdf(relief, wi, wo, wavelength, angularRadius)
+  if (!grating?.optics) return 0
+  return gratingBrdf(grating.optics, wi, wo, wavelength, angularRadius)
 }
 
 /** Radiance from the environment, at each nanometre. */
 export function environmentRadiance(optics: PointOptics, light: EnvironmentLight): Radiance {
-  const { tables, through, strength } = optics
+  const { tables, axes, through, strength, albedo, lacquer, isSeen } = optics
   const { spectrum } = tables
   const seen = seenOf(optics, light)
   const scale = through.environment * strength
@@ -50,7 +53,17 @@ export function environmentRadiance(optics: PointOptics, light: EnvironmentLight
     for (let tint = 0; tint < 3; tint++) sum += seen[3 * cell + tint]! * spectrum.basis(cell, tint)
     return scale * sum
   })
-  return { factors, colour: spectrum.colour(factors) }
+  const base = isSeen ? (through.environment * (1 - strength)) / Math.PI : 0
+  const irradiance = base === 0 ? [0, 0, 0] : light.irradiance(axes[2])
+  const mirrored =
+    lacquer === null ? [0, 0, 0] : coatMirror(lacquer.coat, lacquer.wo, light.around(lacquer.axes))
+  const diffracted = spectrum.colour(factors)
+  return {
+    factors,
+    colour: diffracted.map(
+      (value, c) => value + base * irradiance[c]! * albedo[c]! + mirrored[c]!,
+    ) as Colour,
+  }
 }
 
 /** The environment's linear sRGB times what diffraction takes of it, three numbers a nanometre; null where that is nothing. */

@@ -1,4 +1,5 @@
 import { DataUtils } from 'three'
+import { luminance } from '../numbers/luminance'
 
 /** Mean luminance over the sphere of an equirectangular image, linear sRGB in half floats, four channels. */
 export function meanLuminance(halves: Uint16Array, width: number, height: number): number {
@@ -10,7 +11,7 @@ export function meanLuminance(halves: Uint16Array, width: number, height: number
     const weight = Math.sin((Math.PI * (row + 0.5)) / height)
     for (let column = 0; column < width; column++) {
       const i = 4 * (row * width + column)
-      sum += weight * (0.2126 * at(i) + 0.7152 * at(i + 1) + 0.0722 * at(i + 2))
+      sum += weight * luminance(at(i), at(i + 1), at(i + 2))
       total += weight
     }
   }

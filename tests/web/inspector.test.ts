@@ -15,7 +15,11 @@ import {
   orderShares,
   type GratingOptics,
 } from '../../demo/inspector/optics/grating-brdf'
-import { illuminantSpectrum, LightSpectrum } from '../../demo/inspector/optics/light-spectrum'
+import {
+  illuminantA,
+  illuminantSpectrum,
+  LightSpectrum,
+} from '../../demo/inspector/optics/light-spectrum'
 import {
   lineDirection,
   orderDirection,
@@ -24,8 +28,10 @@ import {
 } from '../../demo/inspector/optics/orders'
 import { Relief, reliefBrdf } from '../../demo/inspector/optics/relief'
 import { frameOf, pickAt, pointAtUv } from '../../demo/inspector/picked-point'
+import { loadTables } from '../../demo/inspector/point-optics'
 import { seenOrders } from '../../demo/inspector/pictures/lobes'
 import { normalCdf } from '../../demo/numbers/normal-cdf'
+import type { Subject } from '../../demo/subjects/subject'
 import { Foil, Grating } from '../../web'
 import { loadMap, type LoadedMap } from '../../web/maps/load'
 import { metalReflectance } from '../../web/spectrum/metal-reflectance'
@@ -39,14 +45,12 @@ vi.setConfig({ testTimeout: 60_000 })
 let profile: LoadedMap
 let metals: LoadedMap
 let d65: LoadedMap
-let a: LoadedMap
 
 beforeAll(async () => {
   serveBakedMaps()
   profile = await loadMap('maps/baked/profile-blazed')
   metals = await loadMap('maps/baked/metals')
   d65 = await loadMap('maps/baked/lobes-1931-2-D65')
-  a = await loadMap('maps/baked/lobes-1931-2-A')
 })
 
 afterAll(() => {
@@ -218,15 +222,38 @@ print(json.dumps([spectral_brdf(field, optics, wi, wo, np.full(len(wi), w), 0.01
 })
 
 describe('spectra', () => {
-  it('have the illuminants’ relative power', async () => {
+  it.each([
+    ['1931-2', 'D65'],
+    ['1931-2', 'A'],
+    ['1931-2', 'inverse-A'],
+    ['2015-2', 'D65'],
+  ] as const)('have the illuminants’ relative power: observer %s, %s', async (observer, name) => {
     const expected = (await python(
-      'from precompute.spectra import illuminant\nprint(json.dumps(illuminant("D65").tolist()))',
+      'from precompute.spectra import illuminant\nprint(json.dumps(illuminant(input).tolist()))',
+      name,
     )) as number[]
-    const found = illuminantSpectrum(new LightSpectrum(d65), new LightSpectrum(a))
-    expect(found.length).toBe(401)
+    const material = { mapsPath: 'maps/baked/', observer, illuminant: name }
+    const surface = new Grating({ period: 1.6, height: 0.12 })
+    const { illuminant } = await loadTables({ surface, material } as unknown as Subject)
+    expect(illuminant.length).toBe(401)
     // Averaged over 5 nm, and near the ends with few digits.
-    found.forEach((value, i) => {
+    illuminant.forEach((value, i) => {
       expect(Math.abs(value - expected[i]!)).toBeLessThan(i > 15 && i < 350 ? 0.02 : 0.05)
+    })
+  })
+
+  it('of an observer that sees less are relative to one that is known', async () => {
+    // As far as the observer of 2015 sees: light A over what its D65 is.
+    const known = new LightSpectrum(await loadMap('maps/baked/lobes-2015-2-D65'))
+    const d65 = new LightSpectrum(await loadMap('maps/baked/lobes-1931-2-D65'))
+    expect(known.white(3)).toEqual([0, 0, 0])
+    const power = illuminantSpectrum(known, known, d65.wavelengths.map(illuminantA))
+    // Nothing of it is NaN, and a quotient of one with itself is 1.
+    power.forEach((value, i) => {
+      expect(value).toBeCloseTo(
+        illuminantA(known.wavelengths[i]!) / illuminantA(known.wavelengths[400]!),
+        6,
+      )
     })
   })
 

@@ -1,8 +1,9 @@
+import { luminance } from '../../numbers/luminance'
 import type { Colour, LightSpectrum } from './light-spectrum'
 
 /** Colour outside the display's gamut moved towards grey of the same luminance, as shaders/gamut.glsl does. */
 export function gamutMapped(rgb: Colour): Colour {
-  const y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+  const y = luminance(...rgb)
   if (y <= 0) return [0, 0, 0]
   const lowest = Math.min(...rgb)
   const k = lowest < 0 ? lowest / (lowest - y) : 0

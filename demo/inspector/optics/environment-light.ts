@@ -1,21 +1,20 @@
 import { DataUtils, Matrix3, Matrix4, Euler, type Texture, type Vector3 } from 'three'
+import { EnvironmentIrradiance, type Texels } from './environment-irradiance'
 import type { Colour } from './light-spectrum'
 
-/** Texels of an environment: linear sRGB, never negative, rows from the picture's bottom, as textures have them. */
-interface Texels {
-  width: number
-  height: number
-  rgb: Float32Array
+/** What is made once of each texture, whichever way it is turned. */
+interface Made {
+  texels: Texels
+  irradiance: EnvironmentIrradiance
 }
-
-/** Made once of each texture, whichever way it is turned. */
-const made = new WeakMap<Texture, Texels>()
+const made = new WeakMap<Texture, Made>()
 
 /** An equirectangular environment, read on the processor. */
 export class EnvironmentLight {
   readonly width: number
   readonly height: number
   readonly #texels: Texels
+  readonly #irradiance: EnvironmentIrradiance
   readonly #turn: Matrix3
 
   /**
@@ -28,7 +27,9 @@ export class EnvironmentLight {
     rotation: Euler,
     readonly intensity: number,
   ) {
-    this.#texels = texelsOf(texture)
+    const { texels, irradiance } = madeOf(texture)
+    this.#texels = texels
+    this.#irradiance = irradiance
     this.width = this.#texels.width
     this.height = this.#texels.height
     // three takes world directions to the texture's by the transpose of the rotation.
@@ -55,6 +56,14 @@ export class EnvironmentLight {
     const { width, height, rgb } = this.#texels
     const at = 3 * ((height - 1 - row) * width + column)
     return [0, 1, 2].map((c) => rgb[at + c]! * this.intensity) as Colour
+  }
+
+  /** Irradiance on a plane, linear sRGB. normal: a unit vector of the world. */
+  irradiance(normal: Vector3): Colour {
+    const { x, y, z } = normal.clone().applyMatrix3(this.#turn)
+    const sum: Colour = [0, 0, 0]
+    this.#irradiance.add(x, y, z, sum)
+    return sum.map((value) => value * this.intensity) as Colour
   }
 
   /** As a surface sees it. axes: t, b, n in the world, orthonormal. */
@@ -125,7 +134,7 @@ export class LocalEnvironment {
   }
 }
 
-function texelsOf(texture: Texture): Texels {
+function madeOf(texture: Texture): Made {
   const known = made.get(texture)
   if (known !== undefined) return known
   const { width, height, data } = texture.image as {
@@ -139,6 +148,7 @@ function texelsOf(texture: Texture): Texels {
       // Light cannot be negative; some published environments are.
       rgb[3 * i + c] = Math.max(DataUtils.fromHalfFloat(data[4 * i + c]!), 0)
   const texels = { width, height, rgb }
-  made.set(texture, texels)
-  return texels
+  const all = { texels, irradiance: new EnvironmentIrradiance(texels) }
+  made.set(texture, all)
+  return all
 }

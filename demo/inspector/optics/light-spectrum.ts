@@ -86,11 +86,17 @@ const SMOOTHING = 2
 
 /**
  * The relative spectral power of an illuminant, 1 at its largest. The maps hold it times the observer's functions only; but
- * those cancel against the map of illuminant A, whose spectrum is known.
+ * those cancel against a map of the same observer whose illuminant is known. Where the observer sees nothing, as that of 2015
+ * below 390 nm, the quotient stays what it is next to it.
  *
- * @param a - of illuminant A and the same observer
+ * @param known - of the same observer
+ * @param power - of its illuminant at each of its wavelengths
  */
-export function illuminantSpectrum(light: LightSpectrum, a: LightSpectrum): Float64Array {
+export function illuminantSpectrum(
+  light: LightSpectrum,
+  known: LightSpectrum,
+  power: ArrayLike<number>,
+): Float64Array {
   const last = light.wavelengths.length - 1
   const near = (spectrum: LightSpectrum, cell: number): number => {
     let sum = 0
@@ -98,10 +104,16 @@ export function illuminantSpectrum(light: LightSpectrum, a: LightSpectrum): Floa
       sum += spectrum.white(i).reduce((total, weight) => total + weight, 0)
     return sum
   }
-  const power = Float64Array.from(
-    light.wavelengths,
-    (wavelength, i) => (near(light, i) / near(a, i)) * illuminantA(wavelength),
+  const quotients = light.wavelengths.map((_, cell) => {
+    const of = near(known, cell)
+    return of > 0 ? near(light, cell) / of : null
+  })
+  const isSeen = (quotient: number | null): boolean => quotient !== null
+  const [first, final] = [quotients.findIndex(isSeen), quotients.findLastIndex(isSeen)]
+  const spectrum = Float64Array.from(
+    quotients,
+    (_, cell) => quotients[Math.min(Math.max(cell, first), final)]! * power[cell]!,
   )
-  const most = Math.max(...power)
-  return power.map((value) => value / most)
+  const most = Math.max(...spectrum)
+  return spectrum.map((value) => value / most)
 }

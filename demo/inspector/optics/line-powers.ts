@@ -5,7 +5,7 @@ const LONGEST = 2 / 0.38
 /** Steps of w/λ, between which cubics are exact to 2e-5 of all light for reliefs of 0.3 µm. */
 const STEPS = 64
 /** Lines are left out that together never take more than this share of the light. */
-const REST = 1e-3
+const REST = 3e-4
 
 /** |A_jl|² of the lines that matter over w/λ, on which alone it depends: a table, made once of each relief. */
 export class LinePowers {

@@ -1,6 +1,7 @@
 import { normalCdf } from '../../numbers/normal-cdf'
 import { CHANNELS, EnvironmentCells } from './environment-cells'
 import type { LocalEnvironment } from './environment-light'
+import { Horizon } from './horizon'
 import type { Direction } from './orders'
 
 /** Tilts are followed to so many standard deviations along t and b; the shares of those sum to 1. */
@@ -11,6 +12,26 @@ const FLAT = 0.05
 const NODE_STEP = 0.4
 /** A Gaussian narrower than this part of a cell's step would miss their middles: near the horizon, seen at grazing angles. */
 const NARROWEST = 0.3
+
+/**
+ * Ratio of the deviations for which cells are summed up along y, once for all nodes of a row: between two of them sums are
+ * mixed to the right variance, 0.2 % of a lone lamp's peak off.
+ */
+const LEVEL_RATIO = 1.07
+
+/** Step along the horizon in standard deviations. */
+const HORIZON_STEP = 0.4
+
+/** Sums of columns of cells along y under a Gaussian about one y. */
+interface Strip {
+  /** The first and the last of the rows that are kept which it reaches, and the Gaussian at each from the first on. */
+  low: number
+  high: number
+  shares: Float64Array
+  /** {@link CHANNELS} a column; of columns that have been summed up. */
+  sums: Float32Array
+  isKnown: Uint8Array
+}
 
 /**
  * An environment as a rough surface carries it over to one viewer: at (x, y) = (ω_i)_tb the mean of its radiance over tilts,
@@ -32,7 +53,8 @@ export class TiltedEnvironment {
   readonly #along: number
   readonly #nodes: Float64Array
   readonly #isKnown: Uint8Array
-  readonly #sharesY: Float64Array
+  readonly #horizon: Horizon
+  readonly #strips = new Map<number, Strip>()
   readonly #held = new Float64Array(3)
 
   /**
@@ -47,6 +69,7 @@ export class TiltedEnvironment {
     isLine: boolean,
   ) {
     const { texel } = environment
+    this.#horizon = new Horizon(environment)
     // Along the line no cosine is larger than this, in all of the disc none than 1.
     const most = isLine ? Math.sqrt(1 - wo[1] * wo[1]) : 1
     const widest = roughness * (wo[2] + most)
@@ -63,7 +86,6 @@ export class TiltedEnvironment {
     this.#along = isLine ? 0 : nodes
     this.#nodes = new Float64Array(3 * (2 * this.#across + 1) * (2 * this.#along + 1))
     this.#isKnown = new Uint8Array(this.#nodes.length / 3)
-    this.#sharesY = new Float64Array(this.#cells?.rows ?? 0)
   }
 
   /**
@@ -98,69 +120,109 @@ export class TiltedEnvironment {
     const node = (j + this.#along) * (2 * this.#across + 1) + i + this.#across
     if (!this.#isKnown[node]!) {
       this.#isKnown[node] = 1
-      this.#workOut(
-        Math.sin(this.#ψ + i * this.#step),
-        Math.sin(this.#β + j * this.#step),
-        3 * node,
-      )
+      this.#workOut(Math.sin(this.#ψ + i * this.#step), j, 3 * node)
     }
     return 3 * node
   }
 
-  /** The mean over tilts at (x, y), that may lie beyond the horizon. at: where its three numbers go. */
-  #workOut(x: number, y: number, at: number): void {
+  /** The mean over tilts at x in a row of nodes, that may lie beyond the horizon. at: where its three numbers go. */
+  #workOut(x: number, row: number, at: number): void {
+    const y = Math.sin(this.#β + row * this.#step)
     const z = Math.sqrt(Math.max(1 - x * x - y * y, 0))
     const narrowest = NARROWEST * this.#cells!.step
     const deviation = Math.max(this.roughness * (this.wo[2] + z), narrowest)
     const nodes = this.#nodes
     const held = this.#holdAtHorizon(x, y, deviation)
-    const total = this.#sumUnderGaussian(x, y, deviation, at)
+    const total = this.#sumUnderGaussian(x, row, deviation, at)
     const above = total > 0 ? (1 - held) / total : 0
     const atHorizon = total > 0 || held === 0 ? 1 : 1 / held
     for (let c = 0; c < 3; c++) nodes[at + c] = above * nodes[at + c]! + atHorizon * this.#held[c]!
   }
 
-  /** Σ of the cells' light under a Gaussian about (x, y), to three nodes' numbers; returns Σ of the Gaussian. */
-  #sumUnderGaussian(x: number, y: number, deviation: number, at: number): number {
+  /** Σ of the cells' light under a Gaussian about a node, to its three numbers; returns Σ of the Gaussian. */
+  #sumUnderGaussian(x: number, row: number, deviation: number, at: number): number {
     const cells = this.#cells!
-    const { columns, rows, firstRow, sines, cells: light } = cells
+    const { columns, sines } = cells
     const reach = REACH * deviation
     const first = Math.max(Math.ceil(cells.at(x - reach)), 0)
     const last = Math.min(Math.floor(cells.at(x + reach)), columns - 1)
-    const low = Math.max(Math.ceil(cells.at(y - reach)) - firstRow, 0)
-    const high = Math.min(Math.floor(cells.at(y + reach)) - firstRow, rows - 1)
     cells.read(first, last)
+    const narrowest = NARROWEST * cells.step
+    const level = Math.floor(Math.log(deviation / narrowest) / Math.log(LEVEL_RATIO))
+    const variance = (narrowest * LEVEL_RATIO ** level) ** 2
+    const wider = (deviation ** 2 / variance - 1) / (LEVEL_RATIO ** 2 - 1)
+    const strip = this.#strip(row, level)
+    const next = this.#strip(row, level + 1)
     const sharpness = -0.5 / deviation ** 2
-    for (let j = low; j <= high; j++)
-      this.#sharesY[j] = Math.exp(sharpness * (sines[j + firstRow]! - y) ** 2)
-    const sharesY = this.#sharesY
     let red = 0
     let green = 0
     let blue = 0
     let total = 0
     for (let i = first; i <= last; i++) {
-      let r = 0
-      let g = 0
-      let b = 0
-      let size = 0
-      let cell = CHANNELS * (i * rows + low)
-      for (let j = low; j <= high; j++, cell += CHANNELS) {
-        const share = sharesY[j]!
-        r += share * light[cell]!
-        g += share * light[cell + 1]!
-        b += share * light[cell + 2]!
-        size += share * light[cell + 3]!
-      }
+      const a = this.#column(strip, i)
+      const b = this.#column(next, i)
       const share = Math.exp(sharpness * (sines[i]! - x) ** 2)
-      red += share * r
-      green += share * g
-      blue += share * b
-      total += share * size
+      const q = share * wider
+      const p = share - q
+      red += p * strip.sums[a]! + q * next.sums[b]!
+      green += p * strip.sums[a + 1]! + q * next.sums[b + 1]!
+      blue += p * strip.sums[a + 2]! + q * next.sums[b + 2]!
+      total += p * strip.sums[a + 3]! + q * next.sums[b + 3]!
     }
     this.#nodes[at] = red
     this.#nodes[at + 1] = green
     this.#nodes[at + 2] = blue
     return total
+  }
+
+  #strip(row: number, level: number): Strip {
+    const key = row * 1024 + level
+    const known = this.#strips.get(key)
+    if (known !== undefined) return known
+    const cells = this.#cells!
+    const { columns, rows, firstRow, sines, step } = cells
+    const y = Math.sin(this.#β + row * this.#step)
+    const deviation = NARROWEST * step * LEVEL_RATIO ** level
+    const low = Math.max(Math.ceil(cells.at(y - REACH * deviation)) - firstRow, 0)
+    const high = Math.min(Math.floor(cells.at(y + REACH * deviation)) - firstRow, rows - 1)
+    const strip = {
+      ...{ low, high },
+      // As a density, so that two of them can be mixed.
+      shares: Float64Array.from(
+        { length: Math.max(high - low + 1, 0) },
+        (_, j) => Math.exp(-0.5 * ((sines[low + j + firstRow]! - y) / deviation) ** 2) / deviation,
+      ),
+      sums: new Float32Array(CHANNELS * columns),
+      isKnown: new Uint8Array(columns),
+    }
+    this.#strips.set(key, strip)
+    return strip
+  }
+
+  /** Index of the sums of a column, which has been read. */
+  #column(strip: Strip, column: number): number {
+    const at = CHANNELS * column
+    if (strip.isKnown[column]!) return at
+    strip.isKnown[column] = 1
+    const { rows, cells: light } = this.#cells!
+    const { low, high, shares, sums } = strip
+    let r = 0
+    let g = 0
+    let b = 0
+    let size = 0
+    let cell = CHANNELS * (column * rows + low)
+    for (let j = low; j <= high; j++, cell += CHANNELS) {
+      const share = shares[j - low]!
+      r += share * light[cell]!
+      g += share * light[cell + 1]!
+      b += share * light[cell + 2]!
+      size += share * light[cell + 3]!
+    }
+    sums[at] = r
+    sums[at + 1] = g
+    sums[at + 2] = b
+    sums[at + 3] = size
+    return at
   }
 
   /**
@@ -172,10 +234,10 @@ export class TiltedEnvironment {
     this.#held.fill(0)
     const r = Math.hypot(x, y)
     if (1 - r > REACH * deviation) return 0
-    const middle = Math.atan2(y, x)
     const widest = Math.asin(Math.min((REACH * deviation) / r, 1))
-    const parts = Math.ceil((2 * widest) / Math.min(this.environment.texel / 2, 0.75 * deviation))
+    const parts = Math.ceil((2 * widest) / (HORIZON_STEP * deviation))
     const step = (2 * widest) / parts
+    const first = Math.atan2(y, x) - widest
     let total = 0
     for (let i = 0; i < parts; i++) {
       const α = (i + 0.5) * step - widest
@@ -183,11 +245,10 @@ export class TiltedEnvironment {
       const beyond =
         deviation * Math.exp(-0.5 * ((1 - a) / deviation) ** 2) +
         Math.sqrt(2 * Math.PI) * a * normalCdf((a - 1) / deviation)
-      const share =
-        (step * Math.exp(-0.5 * ((r * Math.sin(α)) / deviation) ** 2) * beyond) /
-        (2 * Math.PI * deviation)
-      total += share
-      this.environment.add(Math.cos(middle + α), Math.sin(middle + α), 0, share, this.#held)
+      const density =
+        (Math.exp(-0.5 * ((r * Math.sin(α)) / deviation) ** 2) * beyond) / (2 * Math.PI * deviation)
+      total += step * density
+      this.#horizon.add(first + i * step, first + (i + 1) * step, density, this.#held)
     }
     return total
   }

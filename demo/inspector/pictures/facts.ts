@@ -1,4 +1,4 @@
-import { Foil, Grating } from '../../../web'
+import type { Foil, Grating } from '../../../web'
 import { make } from '../../ui/elements'
 import type { Direction } from '../optics/orders'
 import type { PointOptics } from '../point-optics'
@@ -54,9 +54,6 @@ function surfaceFacts({ surface, grating, strength, relief }: PointOptics): [str
     ['Period a', at.period === null ? '–' : micrometres(at.period)],
     ['Relief', `${micrometres(height)}, ${profile}`],
     ['Strength', percent(strength)],
-    ...(surface instanceof Foil && surface.hasBumps
-      ? [['Bumps', 'left out of what is shown here'] as [string, string]]
-      : []),
   ]
 }
 
