@@ -14,8 +14,8 @@ const NARROWEST = 0.3
 
 /**
  * An environment as a rough surface carries it over to one viewer: at (x, y) = (ω_i)_tb the mean of its radiance over tilts,
- * which move (x, y) by wδ times a standard normal pair, w = (ω_i + ω_o)_n, and are held at the horizon (docs/theory.md,
- * section 6).
+ * which move (x, y) by wδ times a standard normal pair, w = (ω_i + ω_o)_n, and are held at the horizon
+ * (docs/theory/environments.md).
  *
  * It is worked out at nodes, even in asin x and asin y, each when it is first asked for: a sum over the environment's cells
  * under the Gaussian, and one along the horizon of what is held there. Between them run cubics.
