@@ -26,8 +26,8 @@ class Axis(BaseModel):
         mapping: How the parameter runs from `first` to `last` with the position x in [0, 1]:
             ``linear``: first + (last − first) x; ``square``: first + (last − first) x²;
             ``log``: first (last/first)^x.
-        first: The parameter at the first texel's centre.
-        last: The parameter at the last texel's centre.
+        first: The parameter at the first texel's centre, in `unit`.
+        last: The parameter at the last texel's centre, in `unit`.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

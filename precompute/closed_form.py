@@ -37,7 +37,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Node:
-    """A band of the spectrum: its middle and its width, µm, and the light's XYZ in it."""
+    """A band of the spectrum.
+
+    Attributes:
+        wavelength: Its middle, µm.
+        bandwidth: Its width, µm.
+        xyz: The light's XYZ in it.
+    """
 
     wavelength: float
     bandwidth: float

@@ -51,7 +51,7 @@ class Light(BaseModel):
         observer: Whose colour-matching functions turn it into XYZ.
         angular_radius: Standard deviation of the Gaussian source as seen from the surface, rad,
             above 0; left out, the source is a point.
-        tint: Linear sRGB colour that multiplies the illuminant.
+        tint: Linear sRGB colour, a factor of the illuminant.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

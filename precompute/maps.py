@@ -70,7 +70,8 @@ class ArraySpec(BaseModel):
         sha256: Checksum of the file.
         axes: What each axis stands for.
         channels: What each channel is.
-        decode: For 8-bit files, (offset, scale) of each channel: value = offset + scale·texel/255.
+        decode: For 8-bit files, (offset, scale) of each channel, in its unit: value = offset +
+            scale·texel/255.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -146,7 +147,7 @@ class Table:
         axes: What each axis stands for.
         channels: What each channel is.
         dtype: How the numbers are stored.
-        decode: For ``uint8``: (offset, scale) of each channel.
+        decode: For ``uint8``: (offset, scale) of each channel, in its unit.
     """
 
     values: NDArray[Any]

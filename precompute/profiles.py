@@ -109,7 +109,7 @@ class Blazed(_PiecewiseLinear):
 
 
 class Triangular(_PiecewiseLinear):
-    """p rises to 1 at `apex` and falls back to 0."""
+    """p rises to 1 at the share `apex` of the period and falls back to 0."""
 
     kind: Literal["triangular"] = "triangular"
     apex: Annotated[float, Field(gt=0, lt=1)] = 0.5
@@ -119,7 +119,7 @@ class Triangular(_PiecewiseLinear):
 
 
 class Sampled(_PiecewiseLinear):
-    """p given at equal steps along one period, joined by straight lines, repeating."""
+    """p given by `heights`, shares of h0, at equal steps of a period, joined by straight lines."""
 
     kind: Literal["sampled"] = "sampled"
     heights: Annotated[tuple[Annotated[float, Field(ge=0, le=1)], ...], Field(min_length=2)]

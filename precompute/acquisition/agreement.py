@@ -68,8 +68,8 @@ class Agreement:
     """Pairs of points by displacement, px, shape (2I + 1, 2J + 1): down and right of the middle.
 
     Attributes:
-        seen: Those that are both lit as by one grating.
-        expected: As many as chance would have.
+        seen: Number of those that are both lit as by one grating.
+        expected: The number that chance would have.
     """
 
     seen: Array

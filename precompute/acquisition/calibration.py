@@ -87,11 +87,11 @@ class Calibration:
     Attributes:
         shots: The photographs, their background known.
         model: What gratings show in them.
-        highlight: ρ below which nothing is observed.
+        highlight: ρ, no unit, below which nothing is observed.
         roughness: Of the normal, rad.
         is_one_period: Whether all gratings have the same.
         apparent: Period in each photograph over that in all, shape (photographs,).
-        lit_gain: Gain from which a texel counts as lit, and not as noise.
+        lit_gain: Gain, no unit, from which a texel counts as lit, and not as noise.
     """
 
     shots: list[Shot]

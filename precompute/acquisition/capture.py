@@ -76,7 +76,7 @@ class Camera(_Part):
             −z with the sample's y up. Left out, it looks at the sample's centre.
         focal_px: Focal length.
         principal_point_px: Where the axis meets the picture; its middle if left out.
-        distortion: k1, k2, p1, p2, k3.
+        distortion: k1, k2, p1, p2, k3 of OpenCV's model, no unit.
         channels: What a pixel holds.
         response: How its numbers grow with light.
         black: Number of no light.

@@ -27,7 +27,7 @@ class Completed:
 
     Attributes:
         gratings: At each texel.
-        confidence: 0 where it was not seen, towards 1 where it is bright and unambiguous.
+        confidence: No unit, 0 where it was not seen, towards 1 where it is bright and unambiguous.
         seen: Lit somewhere, and unambiguous.
         dark: Would have been lit somewhere if it diffracted: a texel without grating.
         unsure: Lit, but another orientation would do nearly as well.

@@ -54,11 +54,11 @@ class Side:
 
     Attributes:
         start: A point of the line, px, shape (2,).
-        along: Unit vector, the sample to the right of it as the picture is seen.
+        along: A unit vector, the sample to the right of it as the picture is seen.
         length: Of the line, px.
         bend: How far the edge is off the line, px, away from the sample, as polynomial
             coefficients over the position along it from −1 to 1, the lowest first.
-        share: Of the places along it where the picture shows the edge there.
+        share: The share of places along it where the picture shows the edge there.
     """
 
     start: Array

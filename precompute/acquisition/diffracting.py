@@ -55,7 +55,7 @@ class Diffracting:
         circle: The circle.
         mask: Which pixels diffract.
         noise: Standard deviation of a pixel's phase, rad: that of its amplitude over it.
-        misfits: Of each photograph, see `foretold.misfits`.
+        misfits: Of each photograph, no unit, see `foretold.misfits`.
     """
 
     fit: HarmonicFit

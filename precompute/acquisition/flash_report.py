@@ -24,7 +24,7 @@ class PhotographSeen(_Part):
         highlight_px: Where the lamp's mirror image is.
         light_mm: Where the lamp is by that.
         light_off_mm: How far that is from what was said of it.
-        period_over_all: The period that it alone shows over that which all show.
+        period_over_all: The ratio of the period that it alone shows to that which all show.
     """
 
     name: str
@@ -38,10 +38,11 @@ class Shares(_Part):
     """Of the map's texels.
 
     Attributes:
-        seen: Lit in some photograph, and unambiguous.
-        unsure: Lit, but another orientation would do nearly as well.
-        dark: Without a grating: every orientation would have been lit somewhere.
-        hidden: Dark, but not every orientation would have been lit: that which would have least.
+        seen: The share that is lit in some photograph, and unambiguous.
+        unsure: The share that is lit, but another orientation would do nearly as well.
+        dark: The share without a grating: every orientation would have been lit somewhere.
+        hidden: The share that is dark, but some orientation would have been too: the one that would
+            have shown least is taken.
     """
 
     seen: Share

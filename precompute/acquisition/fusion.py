@@ -50,9 +50,9 @@ class Fusion:
     Attributes:
         offset: To be added to orientations, rad, 0 to π.
         scale: Periods in µm over relative ones.
-        correlation: Of what the photograph shows and what the map would, 0 to 1.
-        elsewhere: The same, by directions alone, of the best offset at least 10° away, over that
-            of the offset taken: towards 1 the photograph does not tell.
+        correlation: Of what the photograph shows and what the map would, no unit, 0 to 1.
+        elsewhere: The ratio of the same, by directions alone, of the best offset at least 10° away
+            to that of the offset taken: towards 1 the photograph does not tell.
     """
 
     offset: float

@@ -62,7 +62,7 @@ class Spot:
     Attributes:
         position: Its middle on the sample, mm, shape (2,).
         clipped: Share of its disc that is.
-        concentration: Its disc's light over that of its surroundings, see `STANDS_OUT`.
+        concentration: The ratio of its disc's light to that of its surroundings, see `STANDS_OUT`.
         is_lamps: Whether it has a colour that the lamp's mirror image may have.
     """
 

@@ -43,7 +43,7 @@ class Plastic:
     Attributes:
         retardation: Δ, rad, each way.
         axis: Angle of its fast axis from x, rad.
-        first_surface: r_p, amplitude of what its upper side reflects, −1 to 1.
+        first_surface: r_p, ratio of amplitudes of what its upper side reflects, −1 to 1.
         first_phase: φ_p of that over what the metal reflects, rad; the layer's thickness decides.
         first_retardation: Of B_R, rad.
     """
@@ -64,7 +64,7 @@ class Obliquity:
 
     Attributes:
         plane: Angle of the plane of incidence from x, rad.
-        ratio: R_F (`fresnel_ratio`).
+        ratio: R_F, a ratio of amplitudes (`fresnel_ratio`).
     """
 
     plane: Array

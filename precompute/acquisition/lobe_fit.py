@@ -86,14 +86,14 @@ class Fit:
     """What was found at each texel, arrays of shape (n,).
 
     Attributes:
-        orientation: θ in [0, π).
+        orientation: θ, rad, in [0, π).
         frequency: 1/a, 1/µm.
         strength: s over that of a point all of which diffracts.
-        gain: How much better than showing nothing, over a lobe's whole energy at its peak.
-        margin: 1 − the gain of the next best orientation over the best.
-        least_seen: The orientation about which least would have been shown.
-        least: The least that any would have shown: its energy over that of a lobe at its peak.
-        shown: The energy of all that is lit, over that.
+        gain: How much better than showing nothing, relative to a lobe's whole energy at its peak.
+        margin: 1 − the ratio of the gain of the next best orientation to the best.
+        least_seen: The orientation, rad, about which least would have been shown.
+        least: The least that any would have shown: its energy relative to a lobe at its peak.
+        shown: The energy of all that is lit, relative to that.
     """
 
     orientation: Array

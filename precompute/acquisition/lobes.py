@@ -57,7 +57,7 @@ class LobeTable:
     Attributes:
         frequencies: 1/a, 1/µm, rising evenly in its logarithm, shape (F,).
         values: At ρ = i · `RADIUS_STEP`, shape (F, radii, channels), at the middle of a lobe.
-        deviation: c, for which they were made.
+        deviation: c, no unit, for which they were made.
     """
 
     frequencies: Array

@@ -75,7 +75,7 @@ class FilterOptions:
         spatial: Standard deviation of the window, pixels.
         range: Difference of orientations, rad, that is smoothed away however well both are known:
             bumps. A standard deviation, in 2 sin δθ ≈ 2δθ.
-        deviations: And so many standard deviations of the two values that are compared.
+        deviations: And this number of standard deviations of the two values that are compared.
         iterations: Passes.
     """
 

@@ -78,7 +78,7 @@ class PhaseCircle:
 
     Attributes:
         centre: Common to all pixels.
-        radius: A/c of the gratings.
+        radius: A/c of the gratings, no unit.
         scatter: Standard deviation of pixels' distances from the centre; of those near the circle.
         known: Whether points tell it; else the centre is 0.
     """

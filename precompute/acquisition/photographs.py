@@ -51,7 +51,7 @@ class Source:
         exposure_from: Who said so; where nobody did, it is 1 s.
         noted_exposure_s: As the file itself notes it.
         noted_focal_px: Focal length that follows from what the file notes.
-        agreement: Its light over what the shorter exposures foretell of it; 1 where exposures,
+        agreement: The ratio of its light to what shorter exposures foretell; 1 where exposures,
             levels and response are right. None for the shortest, and where both show too little.
     """
 

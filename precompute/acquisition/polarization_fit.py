@@ -40,8 +40,9 @@ class Harmonics:
 
     Attributes:
         columns: cos 2ψ/m and sin 2ψ/m, each less its mean, shape (2, photographs).
-        middles: Their means.
-        means: What photographs are divided by.
+        middles: Their means, no unit, shape (2,).
+        means: What photographs are divided by, in their unit; 1, no unit, where they are taken as
+            they are. Shape (photographs,).
     """
 
     columns: Array
@@ -86,11 +87,12 @@ class HarmonicFit:
 
     Attributes:
         phase: η, rad, −π to π: θ is half of it up to one offset.
-        amplitude: A.
-        mean: c.
-        residual: Standard deviation of photographs from the fit, three numbers being fitted; NaN of
-            three photographs. Below some 1e-3 A it is rounding.
-        correlation: Of photographs and fit over ψ, 0 to 1; NaN where a pixel never changes.
+        amplitude: A, in the unit of photographs over that of `Harmonics.means`.
+        mean: c, in that unit.
+        residual: Standard deviation of photographs from the fit, in that unit, three numbers being
+            fitted; NaN of three photographs. Below some 1e-3 A it is rounding.
+        correlation: Of photographs and fit over ψ, no unit, 0 to 1; NaN where a pixel never
+            changes.
     """
 
     phase: Pixels

@@ -24,9 +24,10 @@ class PhotographLaid(_Part):
         polariser_deg: Its polariser, as noted.
         shift_px: By how much it is off the first.
         turn_deg: By how much it is turned, clockwise as it is seen.
-        quality: Correlation of its edges with the first's within the sample, once it is laid on it.
-        misfit: How far it is off what the others foretell, over how far these are; 0 of four and
-            fewer.
+        quality: Correlation, no unit, of its edges with the first's within the sample, once it is
+            laid on it.
+        misfit: The ratio of how far it is off what the others foretell to how far these are; 0 of
+            four and fewer.
         clipped: Share of the sample.
     """
 
@@ -44,7 +45,7 @@ class Circle(_Part):
 
     Attributes:
         centre: Real and imaginary part: what all pixels have in common.
-        radius: A/c of the gratings.
+        radius: A/c of the gratings, no unit.
         is_known: Whether orientations are spread enough to tell the centre; else it is 0.
     """
 
@@ -63,9 +64,9 @@ class PolarizationReport(_Part):
         diffracting: Share of texels that diffract.
         unknown: Share that is clipped or out of the picture somewhere.
         doubtful: Share of those that diffract whose confidence is 0.
-        correlation: Mean, over those that diffract, of photographs with the fit.
-        residual: Median, likewise, of the standard deviation from the fit over the mean; None of
-            three photographs.
+        correlation: Mean, over those that diffract, of photographs with the fit, no unit.
+        residual: Median, likewise, of the ratio of the standard deviation from the fit to the mean;
+            None of three photographs.
         noise_deg: Median standard deviation of orientations by it.
         circle: Of modulations.
         offset_deg: Between half of a phase and the orientation; 0 if it was not said, and

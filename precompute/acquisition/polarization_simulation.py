@@ -28,7 +28,7 @@ class Ratio(Part):
     """R = R_−/R_+ = r e^{iζ} of a grating, in place of a metal's.
 
     Attributes:
-        r: Its size.
+        r: Its size, a ratio of amplitudes.
         zeta_deg: Its angle.
     """
 
@@ -54,7 +54,7 @@ class Layer(Part):
     """The plastic over the metal.
 
     Attributes:
-        index: Of refraction.
+        index: Its refractive index.
         retardation_deg: Δ at 0.55 µm, each way; at others in inverse proportion to wavelength.
         axis_deg: Of its fast axis, from x.
         first_surface: r_p, amplitude that its upper side reflects; by its index if left out.
@@ -76,9 +76,9 @@ class Sheet(Part):
     Attributes:
         size_mm: Width and height; a larger sheet than the foil's tile shows it repeatedly.
         bare: What shows where nothing diffracts, ``mirror`` or ``matte``.
-        bare_albedo: Of what is matte there.
-        haze: Albedo of what the plastic scatters everywhere.
-        table: Albedo of what the sheet lies on.
+        bare_albedo: Of what is matte there, no unit.
+        haze: Albedo, no unit, of what the plastic scatters everywhere.
+        table: Albedo, no unit, of what the sheet lies on.
         bumps_deg: Standard deviation of the normal from point to point, along each axis.
         bump_mm: How far apart points are whose normals differ, a Gaussian's standard deviation.
     """
@@ -121,7 +121,7 @@ class Handling(Part):
         polariser_deg: Of the polariser's angle from what is noted.
         shift_px: Of each coordinate of what the camera shows.
         turn_deg: Of its turn about the picture's middle.
-        light: Of the panel's brightness, over itself.
+        light: Of the panel's brightness, a share of it.
     """
 
     polariser_deg: Annotated[float, Field(ge=0, le=45)] = 0.0

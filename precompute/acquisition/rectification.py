@@ -23,8 +23,8 @@ class Rectification:
 
     Attributes:
         homography: From (x, y, 1) in mm to what a lens without distortion would show, px.
-        matrix: The pinhole's matrix, about which the lens distorts.
-        distortion: k1, k2, p1, p2, k3.
+        matrix: The pinhole's matrix, px, about which the lens distorts.
+        distortion: k1, k2, p1, p2, k3 of OpenCV's model, no unit.
         eye: The camera's centre of projection in the sample's frame, mm, shape (3,).
         is_scaled: Whether the eye's distance is known; else it was assumed (`NORMAL_LENS`).
     """

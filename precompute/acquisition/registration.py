@@ -48,8 +48,8 @@ class Move:
     Attributes:
         shift: What it shows is so far off, px, shape (2,): x right, y down.
         turn: And turned by so much about the picture's middle, clockwise as it is seen, rad.
-        quality: Correlation of the gradients' sizes once it is moved back, −1 to 1; 0 where no such
-            move was found.
+        quality: Correlation of the gradients' sizes once it is moved back, no unit, −1 to 1; 0
+            where no such move was found.
     """
 
     shift: Array

@@ -61,7 +61,7 @@ class Optics:
 
     Attributes:
         metal: Its complex index.
-        ratio: R of the gratings.
+        ratio: R of the gratings, a ratio of amplitudes.
         plastic: Over them.
         weights: Of the wavelength in each channel, shape (channels,).
     """
@@ -80,7 +80,7 @@ class Pose:
         polariser: The polariser's own ψ, rad.
         shift: What the camera shows is so far off, px, shape (2,).
         turn: And turned by so much about the picture's middle, clockwise as it is seen, rad.
-        light: Brightness of the panel.
+        light: Brightness of the panel, a factor.
     """
 
     polariser: float

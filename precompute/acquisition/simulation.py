@@ -37,8 +37,8 @@ class Surface(Part):
         shift_mm: By how much each tile is off its place, in a direction of its own; all are then
             counted from the reference tile, so that others are off by up to twice as much.
         warp_mm: Standard deviation of a smooth displacement of the pattern.
-        haze: Albedo of what the plastic scatters.
-        table: Albedo of what the sheet lies on.
+        haze: Albedo, no unit, of what the plastic scatters.
+        table: Albedo, no unit, of what the sheet lies on.
     """
 
     size_mm: tuple[Positive, Positive]

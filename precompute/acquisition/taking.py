@@ -26,9 +26,9 @@ class SensorNoise(Part):
     Attributes:
         file: ``tif``, ``png`` or ``exr``.
         bits: Of the numbers in it; an EXR holds floats, which do not clip.
-        full_well: Electrons at white, which give shot noise; without it there is none.
-        read_noise: Standard deviation of read noise, electrons.
-        noise_db: White noise so far below full scale instead of the two.
+        full_well: Number of electrons at white, which give shot noise; without it there is none.
+        read_noise: Standard deviation of read noise, number of electrons.
+        noise_db: White noise so far below full scale, a ratio in dB, instead of the two.
     """
 
     file: Literal["tif", "png", "exr"] = "tif"

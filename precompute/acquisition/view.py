@@ -25,7 +25,7 @@ class View:
         position: Centre of projection in the sample's frame, mm, shape (3,).
         rotation: From the sample's axes to right, down, forwards, shape (3, 3).
         matrix: Of the pinhole: focal length and principal point, px, shape (3, 3).
-        distortion: k1, k2, p1, p2, k3.
+        distortion: k1, k2, p1, p2, k3 of OpenCV's model, no unit.
     """
 
     position: Array

@@ -21,9 +21,9 @@ class Frame:
 
     Attributes:
         x: Of its origin, mm.
-        y: Likewise.
+        y: Likewise, mm.
         turn: Counter-clockwise, rad.
-        scale: Of its lengths.
+        scale: Factor of its lengths.
     """
 
     x: float = 0.0

@@ -117,7 +117,7 @@ class RescaleEdit(_Edit):
     """The pattern larger or smaller, texels as large as before.
 
     Attributes:
-        factor: By how much.
+        factor: By how much, no unit.
         periods: Whether periods grow likewise, as they would on a foil that is stretched.
     """
 

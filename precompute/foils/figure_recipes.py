@@ -109,7 +109,7 @@ class Place(_Part):
         x_mm: To the right of the tile's middle, or of the group's origin.
         y_mm: Upwards.
         turn_deg: Of the copy, counter-clockwise.
-        scale: Of its lengths.
+        scale: Factor of its lengths.
     """
 
     x_mm: float = 0.0
@@ -255,8 +255,8 @@ class Star(_Figure):
     Attributes:
         points: How many.
         radius_mm: Of the points.
-        notch: Radius of the notches over that of the points; cos(π/points) makes it a regular
-            polygon.
+        notch: Ratio of the radius of the notches to that of the points; cos(π/points) makes it a
+            regular polygon.
     """
 
     kind: Literal["star"]

@@ -102,7 +102,7 @@ class StarsFoilRecipe(DrawnFoilRecipe):
     Attributes:
         stars: How many.
         points: Of each star.
-        notch: Radius of the notches over that of the points.
+        notch: Ratio of the radius of the notches to that of the points.
         ground: Whether the ground diffracts, one grating around each star; bare else.
     """
 
@@ -165,7 +165,7 @@ class SpiralDistribution(_Part):
     Attributes:
         shortest: Period at orientation 0, µm.
         longest: Period towards orientation 180°, µm.
-        spread: Standard deviation of the period over the period.
+        spread: Ratio of the standard deviation of the period to the period.
     """
 
     kind: Literal["spiral"]

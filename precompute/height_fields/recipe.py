@@ -243,7 +243,14 @@ Source: TypeAlias = Annotated[Generated | FileSource, Field(discriminator="kind"
 
 
 class Crop(_Part):
-    """A rectangle of the patch, µm; (x, y) is its lower left corner from that of the patch."""
+    """A rectangle of the patch.
+
+    Attributes:
+        x: Of its lower left corner from that of the patch, µm.
+        y: Likewise, µm.
+        width: µm.
+        height: µm.
+    """
 
     x: Annotated[float, Field(ge=0)]
     y: Annotated[float, Field(ge=0)]

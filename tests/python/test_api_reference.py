@@ -27,7 +27,7 @@ UNIT = re.compile(
     r"(?<![\w'])(µm|um|mm|nm|rad|degrees|px|pixels|[Tt]exels|bytes|s|sr|unit vectors?|ω_[io])(?!\w)"
 )
 NO_UNIT = re.compile(
-    r"\b(no unit|shares?|factor|times|ind(ex|ices)|relative|numbers?|how many|count|every|shape"
+    r"\b(units?|shares?|factor|times|ind(ex|ices)|relative|numbers?|how many|count|every|shape"
     r"|rows|columns|orders?|samples|nodes|seed|refractive index|ratio|slope|XYZ|radiance)\b",
     re.IGNORECASE,
 )
@@ -78,9 +78,8 @@ def undocumented(module: ModuleType) -> list[str]:
 def without_unit(module: ModuleType) -> list[str]:
     return [
         f"{name}({parameter.name}): {parameter.text}"
-        for name, function in members(module)
-        if inspect.isroutine(function)
-        for parameter in quantities(function)
+        for name, value in members(module)
+        for parameter in parts_of(value)
         if not parameter.has_unit
     ] + [
         f"{name}(): {text}"
@@ -89,6 +88,14 @@ def without_unit(module: ModuleType) -> list[str]:
         and RETURNED.search(text := said_of_result(value)) is None
         and NAMED.search(name) is None
     ]
+
+
+def parts_of(member: Any) -> Iterator[Parameter]:
+    """Attributes of a class, parameters of a function."""
+    if inspect.isclass(member):
+        yield from attributes(member)
+    elif inspect.isroutine(member):
+        yield from quantities(member)
 
 
 def returns_floats(member: Any) -> bool:
@@ -117,12 +124,35 @@ def said_of_result(member: Any) -> str:
 def quantities(function: Callable[..., Any]) -> Iterator[Parameter]:
     """Parameters that are numbers, with what is said of each, apart or in the function's line."""
     text = inspect.getdoc(function) or ""
-    said = {p.arg_name: p.description or "" for p in parse(text, DocstringStyle.GOOGLE).params}
+    said = said_of_parameters(text)
     for name, parameter in inspect.signature(function).parameters.items():
         if name in ("self", "cls") or NUMBERS.search(str(parameter.annotation)) is None:
             continue
-        is_named = re.search(rf"(?<!\w){name}(?!\w)", text) is not None
-        yield Parameter(name, said.get(name, text if is_named else ""))
+        yield Parameter(name, said.get(name, mentioned(name, text)))
+
+
+def said_of_parameters(text: str) -> dict[str, str]:
+    """What a docstring says of each parameter or attribute, apart."""
+    described = parse(text, DocstringStyle.GOOGLE).params
+    return {parameter.arg_name: parameter.description or "" for parameter in described}
+
+
+def mentioned(name: str, text: str) -> str:
+    """The text if it has the name in it."""
+    return text if re.search(rf"(?<!\w){name}(?!\w)", text) else ""
+
+
+def attributes(cls: type) -> Iterator[Parameter]:
+    """Fields that are floats, or have some, with what is said of each, also by a base class."""
+    said: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        said |= said_of_parameters(base.__doc__ or "")
+    hints = get_type_hints(cls, include_extras=True)
+    for name in inspect.get_annotations(cls):
+        # The numbers of a dictionary have each a unit of its own.
+        if not name.startswith("_") and get_origin(hints[name]) is not dict:
+            if holds_floats(hints[name]):
+                yield Parameter(name, said.get(name, mentioned(name, cls.__doc__ or "")))
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -144,6 +174,33 @@ def test_what_lacks_a_unit_is_seen() -> None:
         """
 
     assert [p.name for p in quantities(poor) if not p.has_unit] == ["length", "width"]
+
+
+def test_what_an_attribute_lacks_is_seen() -> None:
+    class Base:
+        """A sheet.
+
+        Attributes:
+            width: How wide, mm.
+        """
+
+        width: float
+
+    class Poor(Base):
+        """`period` in µm.
+
+        Attributes:
+            height: How high.
+        """
+
+        width: float
+        height: float | None
+        depth: NDArray[np.float64]
+        period: float
+        count: int
+        constants: dict[str, float]
+
+    assert [p.name for p in attributes(Poor) if not p.has_unit] == ["height", "depth"]
 
 
 def test_what_comes_back_without_a_unit_is_seen() -> None:

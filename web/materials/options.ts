@@ -27,7 +27,7 @@ export type Gamut = (typeof GAMUTS)[number]
 
 /** What a DiffractionMaterial is made of; beside these, the parameters of every three material. */
 export interface DiffractionMaterialOptions extends MaterialParameters, Partial<OpticsSettings> {
-  /** What diffracts: a Grating, a Foil. */
+  /** What diffracts: a Grating, a Foil, a HeightField. */
   surface: Surface
   /**
    * Largest relative root mean square error of radiance. Method and knobs that were not given are then chosen: the fastest
