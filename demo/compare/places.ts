@@ -1,7 +1,8 @@
 import type { RadiancePicture } from './radiance-picture'
 
-/** How many are picked. */
+/** How many are picked, and in which steps they are gone through: any first part of them is spread over the view. */
 const COUNT = 192
+const STEP = 67
 
 /** A place of the view, and how likely it was to be picked. */
 export interface Place {
@@ -17,7 +18,7 @@ const EVEN = [0.7548776662466927, 0.5698402909980532] as const
 
 /**
  * Places that an object covers: half of them even, half by the square of radiance, as that of an error goes with it. They
- * are the same each time.
+ * are the same each time, in an order that is spread over the view.
  *
  * @param pictures - of the view, of one size
  */
@@ -47,5 +48,5 @@ export function pickPlaces(pictures: readonly RadiancePicture[]): Place[] {
       })
     }
   }
-  return picked
+  return picked.map((_, i) => picked[(i * STEP) % picked.length]!)
 }

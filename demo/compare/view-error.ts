@@ -12,6 +12,8 @@ import { viewSamples, type Sample } from './view-samples'
 
 /** With fewer places nothing is said. */
 const LEAST_PLACES = 24
+/** After that long no more than these are looked at, ms: a spectrum of some reliefs takes half a second. */
+const LONG = 4000
 
 /**
  * Relative root mean square error of the linear radiance that each way draws of the object, as it is seen now: at places
@@ -45,8 +47,10 @@ export function* errorsOf(
 ): Steps<readonly number[] | null> {
   const off = samples[0]?.colours.map(() => 0) ?? []
   let [all, places] = [0, 0]
+  const end = performance.now() + LONG
   for (const sample of samples) {
     if (isStale()) return null
+    if (places >= LEAST_PLACES && performance.now() > end) break
     const truth = reference(sample)
     yield
     if (truth === null) continue

@@ -1,57 +1,93 @@
-import { expect, it } from 'vitest'
+import { describe, expect, it } from 'vitest'
+import { pickPlaces } from '../../demo/compare/places'
 import { errorsOf } from '../../demo/compare/view-error'
-import type { Colour } from '../../demo/inspector/optics/light-spectrum'
-import type { Sample } from '../../demo/compare/view-strips'
-import { atOnce, type Steps } from '../../web/steps'
+import type { Sample } from '../../demo/compare/view-samples'
+import { atOnce } from '../../web/steps'
 
+type Colour = [number, number, number]
+
+const [WIDTH, HEIGHT] = [200, 100]
 const never = (): boolean => false
 
+const isHighlight = (pixel: number): boolean => pixel % 499 === 0
+/** The left quarter shows no object. */
+const isCovered = (pixel: number): boolean => pixel % WIDTH >= WIDTH / 4
+
 /** As a foil under a lamp: dim, with a few highlights that have half of all. */
-const truth = ({ x }: Sample): Colour => {
-  const value = x % 500 === 0 ? 3 + Math.cos(x) : 0.14 + 0.03 * Math.sin(x)
+const truthAt = (pixel: number): Colour => {
+  const value = isHighlight(pixel) ? 3 + Math.cos(pixel) : 0.14 + 0.03 * Math.sin(pixel)
   return [value, value / 2, 0]
 }
 
 /** One way is off where it is bright, the other where it is dim. */
-const factors = (place: number): [number, number] =>
-  place % 500 === 0 ? [1.1 + 0.05 * Math.sin(3 * place), 1.01] : [1.01, 0.7]
-
-const samples: Sample[] = Array.from({ length: 20_000 }, (_, x) => ({
-  ...{ x, y: 0 },
-  colours: factors(x).map((factor) => truth({ x, y: 0, colours: [] }).map((c) => c * factor)),
-}))
-
-/** The error of all samples. */
-const whole = [0, 1].map((way) => {
-  const sum = (term: (sample: Sample) => number): number =>
-    samples.reduce((total, sample) => total + term(sample) ** 2, 0)
-  const off = (sample: Sample): number => sample.colours[way]![0]! - truth(sample)[0]
-  return Math.sqrt(sum(off) / sum((sample) => truth(sample)[0]))
-})
-
-/** How often a spectrum is summed up. */
-function counted(steps: Steps<unknown>): number {
-  let count = 0
-  while (!steps.next().done) count++
-  return count
+const drawnAt = (pixel: number): Colour[] => {
+  const factors = isHighlight(pixel) ? [1.1 + 0.05 * Math.sin(3 * pixel), 1.01] : [1.01, 0.7]
+  return factors.map((factor) => truthAt(pixel).map((value) => value * factor) as Colour)
 }
 
-it('finds the errors of a view from a hundredth of its places', () => {
-  const found = atOnce(errorsOf(samples, truth, never))!
-  expect(Math.abs(found[0]! / whole[0]! - 1)).toBeLessThan(0.1)
-  expect(Math.abs(found[1]! / whole[1]! - 1)).toBeLessThan(0.1)
-  expect(counted(errorsOf(samples, truth, never))).toBeLessThan(samples.length / 100)
+const pixels = Array.from({ length: WIDTH * HEIGHT }, (_, i) => i)
+
+/** The view by each way. */
+const pictures = [0, 1].map((way) => ({
+  ...{ width: WIDTH, height: HEIGHT },
+  pixels: Float32Array.from(
+    pixels.flatMap((i) => (isCovered(i) ? [...drawnAt(i)[way]!, 1] : [9, 9, 9, 0])),
+  ),
+}))
+
+const pixelOf = ({ x, y }: { x: number; y: number }): number =>
+  Math.floor(((1 + y) / 2) * HEIGHT) * WIDTH + Math.floor(((1 + x) / 2) * WIDTH)
+
+const places = pickPlaces(pictures)
+const samples: Sample[] = places.map((place) => ({ ...place, colours: drawnAt(pixelOf(place)) }))
+const truth = (sample: Sample): Colour => truthAt(pixelOf(sample))
+
+/** The error of all that the object covers. */
+const whole = [0, 1].map((way) => {
+  const sum = (term: (pixel: number) => number): number =>
+    pixels.filter(isCovered).reduce((total, pixel) => total + term(pixel) ** 2, 0)
+  return Math.sqrt(
+    sum((pixel) => drawnAt(pixel)[way]![0] - truthAt(pixel)[0]) / sum((pixel) => truthAt(pixel)[0]),
+  )
 })
 
-it('leaves out what does not count', () => {
-  const bright = (sample: Sample): Colour | null => (sample.x % 500 === 0 ? truth(sample) : null)
-  const found = atOnce(errorsOf(samples, bright, never))!
-  expect(found[1]).toBeCloseTo(0.01, 6)
+describe('places of a view', () => {
+  it('are few, and on the object', () => {
+    expect(places.length).toBeLessThan(pixels.length / 100)
+    expect(places.map(pixelOf).every(isCovered)).toBe(true)
+  })
+
+  it('are spread over the view, half of them too', () => {
+    const [a, b] = [places.slice(0, places.length / 2), places.slice(places.length / 2)]
+    const mean = (some: typeof places): number =>
+      some.reduce((sum, { y }) => sum + y, 0) / some.length
+    expect(Math.abs(mean(a) - mean(b))).toBeLessThan(0.1)
+  })
+
+  it('are none where all is dark', () => {
+    const dark = pictures.map((picture) => ({
+      ...picture,
+      pixels: picture.pixels.map((value, i) => (i % 4 === 3 ? value : 0)),
+    }))
+    expect(pickPlaces(dark)).toEqual([])
+  })
 })
 
-it('finds none where it is dark, where hardly anything counts, or once the picture has changed', () => {
-  const dark = samples.map((sample) => ({ ...sample, colours: [[0, 0, 0]] }))
-  expect(atOnce(errorsOf(dark, truth, never))).toBeNull()
-  expect(atOnce(errorsOf(samples, () => null, never))).toBeNull()
-  expect(atOnce(errorsOf(samples, truth, () => true))).toBeNull()
+describe('the error at places', () => {
+  it('is that of the view', () => {
+    const found = atOnce(errorsOf(samples, truth, never))!
+    expect(Math.abs(found[0]! / whole[0]! - 1)).toBeLessThan(0.1)
+    expect(Math.abs(found[1]! / whole[1]! - 1)).toBeLessThan(0.1)
+  })
+
+  it('leaves out what does not count', () => {
+    const bright = (sample: Sample): Colour | null =>
+      isHighlight(pixelOf(sample)) ? truth(sample) : null
+    expect(atOnce(errorsOf(samples, bright, never))![1]).toBeCloseTo(0.01, 6)
+  })
+
+  it('is none where hardly anything counts, or once the picture has changed', () => {
+    expect(atOnce(errorsOf(samples, () => null, never))).toBeNull()
+    expect(atOnce(errorsOf(samples, truth, () => true))).toBeNull()
+  })
 })
