@@ -1,14 +1,9 @@
-import { DiffractionError } from './errors.ts'
+import { refuse } from './errors.ts'
 
 /** Returns the value if it is finite and above zero; `unit` goes into the error's text. */
 export function positive(owner: string, field: string, value: unknown, unit: string): number {
   if (typeof value === 'number' && Number.isFinite(value) && value > 0) return value
-  throw new DiffractionError({
-    file: owner,
-    field,
-    value,
-    expected: `a finite number above 0${suffix(unit)}`,
-  })
+  refuse(owner, field, value, `a finite number above 0${suffix(unit)}`)
 }
 
 /** Returns the value if it is a finite number in [min, max]. */
@@ -28,18 +23,18 @@ export function within(
         ? 'a finite number'
         : `a finite number not below ${min}`
       : `a number from ${min} to ${max}`
-  throw new DiffractionError({ file: owner, field, value, expected: range + suffix(unit) })
+  refuse(owner, field, value, range + suffix(unit))
 }
 
 /** Returns the value if it can be the angular radius of a light, rad. A point is said by stating none. */
 export function angularRadius(owner: string, field: string, value: unknown): number {
   if (typeof value === 'number' && value > 0 && value <= Math.PI / 2) return value
-  throw new DiffractionError({
-    file: owner,
+  refuse(
+    owner,
     field,
     value,
-    expected: 'a number above 0 and up to π/2 (rad), or none for a light that is a point',
-  })
+    'a number above 0 and up to π/2 (rad), or none for a light that is a point',
+  )
 }
 
 /** Returns the value if it is one of the names. */
@@ -51,12 +46,7 @@ export function oneOf<T extends string>(
 ): T {
   const found = names.find((name) => name === value)
   if (found !== undefined) return found
-  throw new DiffractionError({
-    file: owner,
-    field,
-    value,
-    expected: `one of ${names.map((name) => `'${name}'`).join(', ')}`,
-  })
+  refuse(owner, field, value, `one of ${names.map((name) => `'${name}'`).join(', ')}`)
 }
 
 function suffix(unit: string): string {
