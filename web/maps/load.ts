@@ -100,13 +100,13 @@ export function constantOf(map: LoadedMap, name: string): number[] {
  */
 export function valuesOf({ spec, data }: MapArray): Float32Array {
   if (data instanceof Float32Array) return data
-  if (data instanceof Uint16Array)
-    return Float32Array.from(data, (half) => DataUtils.fromHalfFloat(half))
-  const { decode } = spec
-  const channels = spec.channels.length
-  return Float32Array.from(data, (texel, i) => {
-    const [offset, scale] = decode?.[i % channels] ?? [0, 1]
-    return offset + (scale * texel) / 255
+  const { decode, channels } = spec
+  // Float32Array.from takes several times as long.
+  return new Float32Array(data.length).map((_, i) => {
+    const word = data[i]!
+    if (data instanceof Uint16Array) return DataUtils.fromHalfFloat(word)
+    const [offset, scale] = decode?.[i % channels.length] ?? [0, 1]
+    return offset + (scale * word) / 255
   })
 }
 
