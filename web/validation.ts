@@ -6,7 +6,7 @@ export function positive(owner: string, field: string, value: unknown, unit: str
   refuse(owner, field, value, `a finite number above 0${suffix(unit)}`)
 }
 
-/** Returns the value if it is a finite number in [min, max]. */
+/** Returns the value if it is a finite number, and in [min, max] where these are finite. */
 export function within(
   owner: string,
   field: string,
@@ -17,12 +17,7 @@ export function within(
 ): number {
   if (typeof value === 'number' && Number.isFinite(value) && value >= min && value <= max)
     return value
-  const range =
-    max === Infinity
-      ? min === -Infinity
-        ? 'a finite number'
-        : `a finite number not below ${min}`
-      : `a number from ${min} to ${max}`
+  const range = max === Infinity ? 'a finite number' : `a number from ${min} to ${max}`
   refuse(owner, field, value, range + suffix(unit))
 }
 
@@ -50,5 +45,5 @@ export function oneOf<T extends string>(
 }
 
 function suffix(unit: string): string {
-  return unit === '' || unit === '1' ? '' : ` (${unit})`
+  return unit && ` (${unit})`
 }

@@ -58,6 +58,8 @@ const CONTENTS: Record<
   },
 }
 
+export const MAP_KINDS = Object.keys(CONTENTS) as MapKind[]
+
 /** Refuses a sidecar that lacks what its kind of map must hold, or has it otherwise. */
 export function checkContents(
   kind: MapKind,
