@@ -33,6 +33,21 @@ export class DiffractionError extends Error {
   }
 }
 
+/**
+ * Throws the error that a value deserves.
+ *
+ * @param cause - another error that led to it
+ */
+export function refuse(
+  file: string,
+  field: string,
+  value: unknown,
+  expected: string,
+  cause?: unknown,
+): never {
+  throw new DiffractionError({ file, field, value, expected }, cause === undefined ? {} : { cause })
+}
+
 /** Short enough for one line of a console, and true for NaN and infinities, which JSON turns to null. */
 function describe(value: unknown): string {
   if (value === undefined) return 'missing'

@@ -55,6 +55,7 @@ export class InspectorContents implements ToolContents {
   #shown = ''
   #shownAt = 0
   #isDrawing = false
+  #isSearching = false
   #rendered = ''
 
   constructor(private readonly demo: Demo) {
@@ -99,8 +100,11 @@ export class InspectorContents implements ToolContents {
   #frame(now: number): void {
     const { subject } = this.demo
     if (this.#tablesKey !== tablesKey(this.demo)) void this.#loadTables()
-    if (this.#point === null || !isWithin(this.#point, subject.object)) this.#pickFirst()
-    if (this.#point === null) return
+    if (this.#point !== null && !isWithin(this.#point, subject.object)) this.#point = null
+    if (this.#point === null) {
+      this.#search()
+      return
+    }
     this.#moveCrosshair(this.#point)
     if (this.#tables === null) return
     const state = this.#state()
@@ -131,9 +135,9 @@ export class InspectorContents implements ToolContents {
     yield
     this.#lobes.show(optics, this.#colours)
     yield
-    this.#lines.show(optics, this.#colours)
+    yield* this.#lines.show(optics, this.#colours)
     yield
-    this.#arcs.show(optics, light, exposure, this.#colours)
+    yield* this.#arcs.show(optics, light, exposure, this.#colours)
     yield
     const flash = flashRadiance(optics)
     yield
@@ -192,19 +196,26 @@ export class InspectorContents implements ToolContents {
     if (this.#point !== null) this.#point = pointAtUv(this.#point, new Vector2(u, v)) ?? this.#point
   }
 
-  /** The point that is nearest to the middle of the view. */
-  #pickFirst(): void {
-    this.#point = null
-    for (let i = 0; i < RINGS * STEPS; i++) {
-      const angle = (2 * Math.PI * (i % STEPS)) / STEPS
-      const radius = (0.45 * Math.floor(i / STEPS)) / RINGS
-      this.#pickAt(0.5 + radius * Math.cos(angle), 0.5 + radius * Math.sin(angle))
-      if (this.#hasPoint()) return
-    }
+  /** Picks the point that is nearest to the middle of the view. */
+  #search(): void {
+    if (this.#isSearching) return
+    this.#isSearching = true
+    void bitByBit(this.#pickFirst()).finally(() => {
+      this.#isSearching = false
+    })
   }
 
-  #hasPoint(): boolean {
-    return this.#point !== null
+  /** Place by place: an object of many parts takes long at each. */
+  *#pickFirst(): Steps<void> {
+    for (let ring = 0; ring < RINGS; ring++) {
+      const radius = (0.45 * ring) / RINGS
+      for (let step = 0; step < (ring === 0 ? 1 : STEPS); step++) {
+        const angle = (2 * Math.PI * step) / STEPS
+        this.#pickAt(0.5 + radius * Math.cos(angle), 0.5 + radius * Math.sin(angle))
+        yield
+        if (this.#point !== null || !this.#isOpen) return
+      }
+    }
   }
 
   #moveCrosshair(point: PickedPoint): void {

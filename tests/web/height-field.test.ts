@@ -256,6 +256,16 @@ describe('a window cut to some patches', () => {
     }
   })
 
+  it('is made again for another coherence or patch alone', () => {
+    const tiles = [2, 9] as const
+    const made = cutWindow(tiles, [2.5, 4], 16)
+    const isKept = (period: [number, number], coherence: number): boolean =>
+      cutWindow(tiles, period, coherence) === made
+    expect(isKept([2.5, 4], 16)).toBe(true)
+    expect(isKept([2.5, 4], 8)).toBe(false)
+    expect(isKept([2.5, 5], 16)).toBe(false)
+  })
+
   it('keeps its energy when it is blurred', () => {
     for (const row of [2, 8, 20, 30]) {
       const [step, axes] = lobes(cutWindow([2, 9], [2.5, 2.5], 16.25), row)

@@ -9,7 +9,7 @@ import {
   type CubeTexture,
   type Texture,
 } from 'three'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { lightTexels } from './light-texels.ts'
 
 /** A texture of the environment in a form the shader can sample at any mip level. */
@@ -102,13 +102,12 @@ export function checkEnvironment(given: Texture, owner: string): void {
     texture.mapping === EquirectangularReflectionMapping ||
     texture.mapping === EquirectangularRefractionMapping
   if (isPrefiltered || !(isEquirect || isCubeTexture(texture)))
-    throw new DiffractionError({
-      file: owner,
-      field: 'envMap',
-      value: isPrefiltered ? 'the output of PMREMGenerator' : `mapping ${texture.mapping}`,
-      expected:
-        'an equirectangular texture (EquirectangularReflectionMapping) or a cube texture, not filtered beforehand',
-    })
+    refuse(
+      owner,
+      'envMap',
+      isPrefiltered ? 'the output of PMREMGenerator' : `mapping ${texture.mapping}`,
+      'an equirectangular texture (EquirectangularReflectionMapping) or a cube texture, not filtered beforehand',
+    )
 }
 
 function isCubeTexture(texture: Texture): boolean {

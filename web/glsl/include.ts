@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 
 const INCLUDE = /^[ \t]*#include "([^"]*)"[ \t]*$/gm
 
@@ -12,12 +12,7 @@ export function resolveIncludes(source: string, files: Record<string, string>): 
     text.replace(INCLUDE, (_line, name: string) => {
       const file = files[name]
       if (file === undefined)
-        throw new DiffractionError({
-          file: within,
-          field: '#include',
-          value: name,
-          expected: `one of ${Object.keys(files).join(', ')}`,
-        })
+        refuse(within, '#include', name, `one of ${Object.keys(files).join(', ')}`)
       if (included.has(name)) return ''
       included.add(name)
       return resolve(file, name)

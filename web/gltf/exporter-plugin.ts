@@ -1,6 +1,6 @@
 import type { Material, MeshStandardMaterial } from 'three'
 import type { GLTFExporterPlugin, GLTFWriter } from 'three/addons/exporters/GLTFExporter.js'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import type { LoadedMap } from '../maps/load.ts'
 import { DiffractionMaterial } from '../materials/DiffractionMaterial.ts'
 import { EXTENSION } from './fields.ts'
@@ -50,12 +50,12 @@ export class GLTFDiffractionExporterPlugin implements GLTFExporterPlugin {
     const process = internals.processMaterialAsync as
       MaterialWriter['processMaterialAsync'] | undefined
     if (process === undefined)
-      throw new DiffractionError({
-        file: 'GLTFExporter',
-        field: 'processMaterialAsync',
-        value: undefined,
-        expected: 'the step of its writer by which this plugin hands it materials',
-      })
+      refuse(
+        'GLTFExporter',
+        'processMaterialAsync',
+        undefined,
+        'the step of its writer by which this plugin hands it materials',
+      )
     internals.processMaterialAsync = async (material, ...rest) =>
       process.call(
         internals,

@@ -1,5 +1,5 @@
 import type { GLTFParser } from 'three/addons/loaders/GLTFLoader.js'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { loadSharedMap } from '../maps/cache.ts'
 import { JsonReader } from '../maps/json.ts'
 import { expectKind, readArray, type LoadedMap } from '../maps/load.ts'
@@ -128,10 +128,7 @@ export class FileMaps {
     } catch (cause) {
       const value = String(cause)
       const expected = 'bytes that can be read'
-      throw new DiffractionError(
-        { file: this.places.file, field: path, value, expected },
-        { cause },
-      )
+      refuse(this.places.file, path, value, expected, cause)
     }
   }
 }

@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import type { LoadedMap } from '../maps/load.ts'
 import type { ArraySpec, Dtype, MapKind, Sidecar } from '../maps/sidecar.ts'
 
@@ -139,6 +139,6 @@ export function expectSound(map: LoadedMap): LoadedMap {
     writable(recipe),
     ...RULES[kind](arrays, constants),
   ])
-    if (!holds) throw new DiffractionError({ file: `${map.url}.json`, field, value, expected })
+    if (!holds) refuse(`${map.url}.json`, field, value, expected)
   return map
 }

@@ -1,6 +1,6 @@
 import type { Texture } from 'three'
 import type { GLTFWriter } from 'three/addons/exporters/GLTFExporter.js'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import type { DiffractionMaterial } from '../materials/DiffractionMaterial.ts'
 import { DEFAULT_SETTINGS } from '../materials/options.ts'
 import { spectrumUrls } from '../spectrum/spectrum-maps.ts'
@@ -83,12 +83,12 @@ async function writeSurface(material: DiffractionMaterial, maps: MapWriter): Pro
       maps: await writeFieldMaps(material, surface, maps),
       ...writeFields(surface, SURFACE_FIELDS.heightField),
     }
-  throw new DiffractionError({
-    file: 'GLTFDiffractionExporterPlugin',
-    field: 'surface',
-    value: surface.name,
-    expected: 'a Grating, a Foil or a HeightField',
-  })
+  refuse(
+    'GLTFDiffractionExporterPlugin',
+    'surface',
+    surface.name,
+    'a Grating, a Foil or a HeightField',
+  )
 }
 
 async function writeProfile(

@@ -1,5 +1,5 @@
 import { DataArrayTexture, DataTexture, FloatType, HalfFloatType, RGBAFormat, Vector2 } from 'three'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { floatLiteral } from '../glsl/float-literal.ts'
 import { arrayOf, constantOf, valuesOf, type LoadedMap } from '../maps/load.ts'
 import { filtered, sharedTexture, unfiltered } from '../maps/shared-texture.ts'
@@ -16,12 +16,12 @@ export function bakedPattern(
 ): Pattern {
   const unfit = unlikeBaked(relief.sidecar.recipe, settings, isDielectric, tiles)
   if (unfit !== null)
-    throw new DiffractionError({
-      file: `${relief.url}.json`,
-      field: unfit.field,
-      value: unfit.value,
-      expected: `${JSON.stringify(unfit.baked)}, which was baked in, or another method`,
-    })
+    refuse(
+      `${relief.url}.json`,
+      unfit.field,
+      unfit.value,
+      `${JSON.stringify(unfit.baked)}, which was baked in, or another method`,
+    )
   const constant = (name: string): number => constantOf(relief, name)[0]!
   const [groups, samples] = arrayOf(relief, 'weights').spec.shape
   return {

@@ -105,6 +105,15 @@ function blurred(amplitudes: Float64Array, step: number, share: number): Float64
   })
 }
 
+/** What a cut window adds to the program. */
+interface WindowOptics {
+  defines: Record<string, string | number>
+  uniforms: Record<string, IUniform>
+}
+
+/** The last window of each surface, known by its tiles: it stays where other settings change. */
+const windows = new WeakMap<Tiles, { key: string; window: WindowOptics }>()
+
 /**
  * Defines and uniforms of the part of shaders/line-spectrum.glsl that a cut window needs.
  *
@@ -115,11 +124,14 @@ export function cutWindow(
   tiles: Tiles,
   period: readonly [number, number],
   coherence: number,
-): { defines: Record<string, string | number>; uniforms: Record<string, IUniform> } {
+): WindowOptics {
+  const key = [...period, coherence].join()
+  const last = windows.get(tiles)
+  if (last?.key === key) return last.window
   const x = new CutWindow(coherence, tiles[0] * period[0])
   const y = new CutWindow(coherence, tiles[1] * period[1])
   const reach = Math.max(x.reach, y.reach)
-  return {
+  const window = {
     defines: {
       TILES: '',
       CUT_CORE: floatLiteral(CORE),
@@ -134,6 +146,8 @@ export function cutWindow(
       uCutLobes: { value: lobesTexture(x, y, reach / (SAMPLES - 1)) },
     },
   }
+  windows.set(tiles, { key, window })
+  return window
 }
 
 /** A row for each share of the window, then the sharp lobes; a texel holds those along x and y, each with its step. */

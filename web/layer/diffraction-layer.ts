@@ -10,7 +10,7 @@ import type {
   WebGLRenderer,
 } from 'three'
 import { checkEnvironment } from '../environment/environment-map.ts'
-import { DiffractionError } from '../errors.ts'
+import { refuse, type DiffractionError } from '../errors.ts'
 import type { LoadedMap } from '../maps/load.ts'
 import { ChosenOptics } from '../materials/chosen-optics.ts'
 import { Defines } from '../materials/defines.ts'
@@ -90,11 +90,13 @@ export function diffractionLayer(
   const { isMeshStandardMaterial, isNodeMaterial } = material as Partial<Marks>
   if (isMeshStandardMaterial !== true || isNodeMaterial === true)
     refuse(
+      NAME,
       'material',
       material.type,
       'a MeshStandardMaterial or a MeshPhysicalMaterial, no node material',
     )
-  if (layers.has(material)) refuse('material', 'one with a layer', 'one without, or remove() first')
+  if (layers.has(material))
+    refuse(NAME, 'material', 'one with a layer', 'one without, or remove() first')
   const layer = new DiffractionLayer(material, options)
   layers.set(material, layer)
   return layer
@@ -263,7 +265,12 @@ export class DiffractionLayer {
         break
       default:
         if (!(name in DEFAULT_SETTINGS))
-          refuse('option', name, [...Object.keys(this.settings), 'mapsPath', 'maps'].join(', '))
+          refuse(
+            NAME,
+            'option',
+            name,
+            [...Object.keys(this.settings), 'mapsPath', 'maps'].join(', '),
+          )
         this.#chosen.set(name as keyof OpticsSettings, value as never)
     }
   }
@@ -316,8 +323,4 @@ export class DiffractionLayer {
   readonly #dispose = (): void => {
     this.#scene.dispose()
   }
-}
-
-function refuse(field: string, value: unknown, expected: string): never {
-  throw new DiffractionError({ file: NAME, field, value, expected })
 }

@@ -1,6 +1,6 @@
 import { REVISION } from 'three'
 import layer from '../../shaders/layer.glsl?raw'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { resolveIncludes } from '../glsl/include.ts'
 import { surfaceShaders } from '../glsl/surface-shaders.ts'
 import type { Surface } from '../surfaces/surface.ts'
@@ -54,12 +54,12 @@ export function layeredFragment(fragment: string, surface: Surface): string {
   return INSERTIONS(surface).reduce((text, { anchor, before = '', after = '' }) => {
     const parts = text.split(anchor)
     if (parts.length !== 2)
-      throw new DiffractionError({
-        file: `three r${REVISION}, fragment stage of MeshPhysicalMaterial`,
-        field: anchor,
-        value: `${parts.length - 1} times there`,
-        expected: 'this line, once',
-      })
+      refuse(
+        `three r${REVISION}, fragment stage of MeshPhysicalMaterial`,
+        anchor,
+        `${parts.length - 1} times there`,
+        'this line, once',
+      )
     return parts.join(`${before}\n${anchor}\n${after}`)
   }, fragment)
 }

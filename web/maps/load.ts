@@ -1,5 +1,5 @@
 import { DataUtils } from 'three'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { readAtMost } from './streams.ts'
 import {
   bytesOf,
@@ -57,12 +57,7 @@ export async function loadMap(url: string): Promise<LoadedMap> {
 /** Refuses a map of another kind than the one that is needed. */
 export function expectKind(map: LoadedMap, kind: MapKind): LoadedMap {
   if (map.sidecar.kind === kind) return map
-  throw new DiffractionError({
-    file: `${map.url}.json`,
-    field: 'kind',
-    value: map.sidecar.kind,
-    expected: kind,
-  })
+  refuse(`${map.url}.json`, 'kind', map.sidecar.kind, kind)
 }
 
 /**
@@ -77,13 +72,7 @@ export function expectKinds<T extends Record<string, MapKind>>(
 ): Record<keyof T, LoadedMap> {
   for (const [name, kind] of Object.entries(kinds)) {
     const map = maps[name]
-    if (map === undefined)
-      throw new DiffractionError({
-        file: owner,
-        field: 'tables',
-        value: Object.keys(maps),
-        expected: Object.keys(kinds).join(', '),
-      })
+    if (map === undefined) refuse(owner, 'tables', Object.keys(maps), Object.keys(kinds).join(', '))
     expectKind(map, kind)
   }
   return maps as Record<keyof T, LoadedMap>
@@ -93,24 +82,14 @@ export function expectKinds<T extends Record<string, MapKind>>(
 export function arrayOf(map: LoadedMap, name: string): MapArray {
   const array = map.arrays[name]
   if (array !== undefined) return array
-  throw new DiffractionError({
-    file: `${map.url}.json`,
-    field: `arrays.${name}`,
-    value: undefined,
-    expected: 'an array',
-  })
+  refuse(`${map.url}.json`, `arrays.${name}`, undefined, 'an array')
 }
 
 /** The numbers of a constant, which the map's kind promises. */
 export function constantOf(map: LoadedMap, name: string): number[] {
   const constant = map.sidecar.constants[name]
   if (constant !== undefined) return constant
-  throw new DiffractionError({
-    file: `${map.url}.json`,
-    field: `constants.${name}`,
-    value: undefined,
-    expected: 'a number or a list of numbers',
-  })
+  refuse(`${map.url}.json`, `constants.${name}`, undefined, 'a number or a list of numbers')
 }
 
 /**
@@ -121,13 +100,13 @@ export function constantOf(map: LoadedMap, name: string): number[] {
  */
 export function valuesOf({ spec, data }: MapArray): Float32Array {
   if (data instanceof Float32Array) return data
-  if (data instanceof Uint16Array)
-    return Float32Array.from(data, (half) => DataUtils.fromHalfFloat(half))
-  const { decode } = spec
-  const channels = spec.channels.length
-  return Float32Array.from(data, (texel, i) => {
-    const [offset, scale] = decode?.[i % channels] ?? [0, 1]
-    return offset + (scale * texel) / 255
+  const { decode, channels } = spec
+  // Float32Array.from takes several times as long.
+  return new Float32Array(data.length).map((_, i) => {
+    const word = data[i]!
+    if (data instanceof Uint16Array) return DataUtils.fromHalfFloat(word)
+    const [offset, scale] = decode?.[i % channels.length] ?? [0, 1]
+    return offset + (scale * word) / 255
   })
 }
 
@@ -156,12 +135,12 @@ export async function readArray(
 
 function expectLength(file: string, bytes: Uint8Array, spec: ArraySpec, expected: number): void {
   if (bytes.length === expected) return
-  throw new DiffractionError({
+  refuse(
     file,
-    field: 'bytes',
-    value: bytes.length,
-    expected: `${expected}, for ${spec.shape.join(' × ')} of ${spec.dtype} (the file is truncated)`,
-  })
+    'bytes',
+    bytes.length,
+    `${expected}, for ${spec.shape.join(' × ')} of ${spec.dtype} (the file is truncated)`,
+  )
 }
 
 /** The decoder is a chunk of its own: gratings have no images. */
@@ -184,13 +163,7 @@ function checkFinite(file: string, data: MapArray['data']): void {
     // All exponent bits set: an infinity or NaN.
     for (const half of data) if ((half & 0x7c00) === 0x7c00) count++
   }
-  if (count > 0)
-    throw new DiffractionError({
-      file,
-      field: 'values that are NaN or infinite',
-      value: count,
-      expected: '0',
-    })
+  if (count > 0) refuse(file, 'values that are NaN or infinite', count, '0')
 }
 
 function canDigest(): boolean {
@@ -201,12 +174,12 @@ async function checkDigest(file: string, bytes: Uint8Array, expected: string): P
   const digest = await crypto.subtle.digest('SHA-256', bytes as BufferSource)
   const hex = Array.from(new Uint8Array(digest), (byte) => byte.toString(16).padStart(2, '0'))
   if (hex.join('') !== expected)
-    throw new DiffractionError({
+    refuse(
       file,
-      field: 'SHA-256',
-      value: hex.join(''),
-      expected: `${expected}, as in the sidecar (truncated, or of another bake)`,
-    })
+      'SHA-256',
+      hex.join(''),
+      `${expected}, as in the sidecar (truncated, or of another bake)`,
+    )
 }
 
 async function fetchJson(file: string): Promise<unknown> {
@@ -216,10 +189,7 @@ async function fetchJson(file: string): Promise<unknown> {
       new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(bytes),
     ) as unknown
   } catch (cause) {
-    throw new DiffractionError(
-      { file, field: 'document', value: String(cause), expected: 'JSON' },
-      { cause },
-    )
+    refuse(file, 'document', String(cause), 'JSON', cause)
   }
 }
 
@@ -231,24 +201,9 @@ async function fetchBytes(file: string, most: number): Promise<Uint8Array> {
     response = await fetch(file)
     if (response.ok) bytes = await readAtMost(response.body, most)
   } catch (cause) {
-    throw new DiffractionError(
-      { file, field: 'file', value: String(cause), expected: 'a file that can be fetched' },
-      { cause },
-    )
+    refuse(file, 'file', String(cause), 'a file that can be fetched', cause)
   }
-  if (!response.ok)
-    throw new DiffractionError({
-      file,
-      field: 'file',
-      value: `HTTP ${response.status}`,
-      expected: 'a file that is there',
-    })
-  if (bytes === undefined)
-    throw new DiffractionError({
-      file,
-      field: 'bytes',
-      value: `more than ${most}`,
-      expected: `${most} at most`,
-    })
+  if (!response.ok) refuse(file, 'file', `HTTP ${response.status}`, 'a file that is there')
+  if (bytes === undefined) refuse(file, 'bytes', `more than ${most}`, `${most} at most`)
   return bytes
 }

@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { bitByBit, type Steps } from '../steps.ts'
 import { readAtMost } from './streams.ts'
 
@@ -20,24 +20,22 @@ export async function decodePng(
   bytes: Uint8Array,
   shape: readonly number[],
 ): Promise<Uint8Array> {
-  const refuse = (field: string, value: unknown, expected: string, cause?: unknown): never => {
-    throw new DiffractionError({ file, field, value, expected }, { cause })
-  }
   const signature = Array.from(bytes.subarray(0, SIGNATURE.length))
-  if (signature.join() !== SIGNATURE.join()) refuse('signature', signature, 'that of a PNG')
+  if (signature.join() !== SIGNATURE.join()) refuse(file, 'signature', signature, 'that of a PNG')
 
   const chunks = readChunks(file, bytes)
   const header = chunks.find(({ type }) => type === 'IHDR')?.data
-  if (header?.length !== 13) return refuse('IHDR', header?.length, 'a header of 13 bytes')
+  if (header?.length !== 13) return refuse(file, 'IHDR', header?.length, 'a header of 13 bytes')
   const view = new DataView(header.buffer, header.byteOffset, header.byteLength)
   const width = view.getUint32(0)
   const height = view.getUint32(4)
-  if (view.getUint8(8) !== 8) refuse('IHDR bit depth', view.getUint8(8), '8')
-  if (view.getUint8(9) !== 6) refuse('IHDR colour type', view.getUint8(9), '6 (RGBA)')
-  if (view.getUint8(12) !== 0) refuse('IHDR interlace', view.getUint8(12), '0 (none)')
+  if (view.getUint8(8) !== 8) refuse(file, 'IHDR bit depth', view.getUint8(8), '8')
+  if (view.getUint8(9) !== 6) refuse(file, 'IHDR colour type', view.getUint8(9), '6 (RGBA)')
+  if (view.getUint8(12) !== 0) refuse(file, 'IHDR interlace', view.getUint8(12), '0 (none)')
 
   if (height !== shape[0] || width !== shape[1])
     refuse(
+      file,
       'size (rows, columns)',
       [height, width],
       `${shape.slice(0, 2).join(' × ')}, as in the sidecar`,
@@ -46,10 +44,15 @@ export async function decodePng(
   const deflated = chunks.filter(({ type }) => type === 'IDAT').map(({ data }) => data)
   const expectedLength = height * (1 + width * CHANNELS)
   const filtered = await inflate(deflated, expectedLength).catch((cause: unknown) =>
-    refuse('IDAT', 'unreadable', 'complete zlib data', cause),
+    refuse(file, 'IDAT', 'unreadable', 'complete zlib data', cause),
   )
   if (filtered?.length !== expectedLength)
-    return refuse('IDAT bytes', filtered?.length ?? 'more', `${expectedLength} after inflation`)
+    return refuse(
+      file,
+      'IDAT bytes',
+      filtered?.length ?? 'more',
+      `${expectedLength} after inflation`,
+    )
   return bitByBit(unfilter(file, filtered, width, height))
 }
 
@@ -67,12 +70,7 @@ function readChunks(file: string, bytes: Uint8Array): { type: string; data: Uint
     if (type === 'IEND') return chunks
     position += 12 + length
   }
-  throw new DiffractionError({
-    file,
-    field: 'bytes',
-    value: bytes.length,
-    expected: 'chunks up to IEND (the file is truncated)',
-  })
+  refuse(file, 'bytes', bytes.length, 'chunks up to IEND (the file is truncated)')
 }
 
 function inflate(parts: Uint8Array[], most: number): Promise<Uint8Array | undefined> {
@@ -96,13 +94,7 @@ function* unfilter(
     const source = row * (stride + 1)
     const target = row * stride
     const filter = filtered[source]!
-    if (filter > 4)
-      throw new DiffractionError({
-        file,
-        field: `filter of row ${row}`,
-        value: filter,
-        expected: '0 to 4',
-      })
+    if (filter > 4) refuse(file, `filter of row ${row}`, filter, '0 to 4')
     for (let i = 0; i < stride; i++) {
       const left = i < CHANNELS ? 0 : pixels[target + i - CHANNELS]!
       const up = row === 0 ? 0 : pixels[target + i - stride]!

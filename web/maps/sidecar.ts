@@ -1,20 +1,13 @@
 import { MAPPINGS, type Axis } from './axes.ts'
 import { JsonReader } from './json.ts'
-import { checkContents } from './kinds.ts'
+import { checkContents, MAP_KINDS } from './kinds.ts'
 
 export const MAP_FORMAT = 'three-diffraction/map'
 export const MAP_VERSION = 1
 
-export const MAP_KINDS = [
-  'profile',
-  'lobes',
-  'metals',
-  'foil',
-  'height-field-terms',
-  'height-field-baked',
-] as const
 /** What a map holds. */
-export type MapKind = (typeof MAP_KINDS)[number]
+export type MapKind =
+  'profile' | 'lobes' | 'metals' | 'foil' | 'height-field-terms' | 'height-field-baked'
 
 /** Shipped sidecars have 16 kB. */
 export const MAX_SIDECAR_BYTES = 2 ** 18

@@ -66,18 +66,16 @@ export function describeScene(state: SceneState): Feature[] {
       `${state.environmentRepaired} channels were negative, infinite or no number`,
       'all its texels are light',
     ),
-    choose(
-      'table of the environment for a flat surface',
-      isIn('PLANAR_TEXELS'),
-      state.roughWhy.planar,
-      state.roughWhy.planar,
-    ),
-    choose(
-      'environment blurred for the roughness',
-      isIn('BLURRED_LAYERS'),
-      state.roughWhy.blur,
-      state.roughWhy.blur,
-    ),
+    {
+      feature: 'table of the environment for a flat surface',
+      included: isIn('PLANAR_TEXELS'),
+      why: state.roughWhy.planar,
+    },
+    {
+      feature: 'environment blurred for the roughness',
+      included: isIn('BLURRED_LAYERS'),
+      why: state.roughWhy.blur,
+    },
     ...state.opticsFeatures,
     ...(isIn('ENVIRONMENT_EQUIRECT') || isIn('ENVIRONMENT_CUBE')
       ? state.environmentFeatures

@@ -7,7 +7,7 @@ import {
   type PointLight,
   type SpotLight,
 } from 'three'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 
 /** The kinds of light that diffract, in the order of the loops in three's `lights_fragment_begin`. */
 export const LIGHT_LOOPS = ['POINT', 'SPOT', 'SUN', 'DIR'] as const
@@ -50,12 +50,7 @@ export function assertLightLoops(chunk: string = ShaderChunk.lights_fragment_beg
   const expected = LIGHT_LOOPS.flatMap((loop) => [loop, 'RE_Direct'])
   const calls = loops.filter((entry) => entry === 'RE_Direct').length
   if (diffracting.join() !== expected.join() || calls !== LIGHT_LOOPS.length)
-    throw new DiffractionError({
-      file: 'three, lights_fragment_begin',
-      field: 'loops over lights',
-      value: loops,
-      expected: expected.join(', '),
-    })
+    refuse('three, lights_fragment_begin', 'loops over lights', loops, expected.join(', '))
 }
 
 /** Whether colour varies over the light or differs from grey, so that its spectrum needs three basis spectra. */

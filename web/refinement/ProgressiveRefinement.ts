@@ -11,7 +11,7 @@ import {
   type WebGLRenderer,
 } from 'three'
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { jitteredProjection } from './jittered-projection.ts'
 import { pixelOffsets } from './pixel-offsets.ts'
 import { drawRefinementFrame } from './refinement-frame.ts'
@@ -216,10 +216,5 @@ function powerOfTwo(frames: unknown): number {
     frames >= 1
   )
     return frames
-  throw new DiffractionError({
-    file: OWNER,
-    field: 'frames',
-    value: frames,
-    expected: 'a power of 2 from 1 to 1024',
-  })
+  refuse(OWNER, 'frames', frames, 'a power of 2 from 1 to 1024')
 }

@@ -16,7 +16,7 @@ import {
 /** The spectral textures of one illuminant seen in one metal; each is made once and shared by all materials. */
 export class SpectralTextures {
   readonly #reflectance: (wavelength: number) => number
-  readonly #arcs = new Map<string, SpectralNode[]>()
+  readonly #arcs: Record<string, SpectralNode[]> = {}
 
   constructor(
     private readonly lobes: LoadedMap,
@@ -50,11 +50,12 @@ export class SpectralTextures {
 
   /** Made once for the two textures above, which are asked for in the same frame. */
   #arc(count: number, frames: number): SpectralNode[] {
-    const name = `${count} ${frames}`
-    let nodes = this.#arcs.get(name)
-    if (nodes === undefined)
-      this.#arcs.set(name, (nodes = arcNodes(this.lobes, count, this.#reflectance, frames)))
-    return nodes
+    return (this.#arcs[`${count} ${frames}`] ??= arcNodes(
+      this.lobes,
+      count,
+      this.#reflectance,
+      frames,
+    ))
   }
 
   #once(name: string, make: () => DataTexture): DataTexture {

@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { arrayOf, valuesOf, type LoadedMap } from '../maps/load.ts'
 import type { Steps } from '../steps.ts'
 
@@ -45,12 +45,12 @@ export function* foilGratings(map: LoadedMap): Steps<FoilGratings> {
       if (number === undefined) {
         numbers.set(key, (number = θ.length))
         if (number === MOST_DIFFERENT)
-          throw new DiffractionError({
-            file: `${map.url}.json`,
-            field: 'arrays.grating',
-            value: 'more',
-            expected: `${MOST_DIFFERENT} different gratings at most`,
-          })
+          refuse(
+            `${map.url}.json`,
+            'arrays.grating',
+            'more',
+            `${MOST_DIFFERENT} different gratings at most`,
+          )
         θ.push(Math.atan2(sin2, cos2) / 2)
         frequency.push(grooves)
       }

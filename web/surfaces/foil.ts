@@ -2,7 +2,7 @@ import { Vector2, Vector4, type IUniform, type Vector3 } from 'three'
 import foilClustersGlsl from '../../shaders/surfaces/foil-clusters.glsl?raw'
 import foilSharesGlsl from '../../shaders/surfaces/foil-shares.glsl?raw'
 import foilGlsl from '../../shaders/surfaces/foil.glsl?raw'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { gratingShaders } from '../glsl/grating-shaders.ts'
 import { loadSharedMap } from '../maps/cache.ts'
 import { arrayOf, constantOf, expectKind, type LoadedMap } from '../maps/load.ts'
@@ -196,12 +196,7 @@ export class Foil extends GratingSurface {
 
   set repeat(value: Vector2) {
     if (![value.x, value.y].every((tiles) => Number.isFinite(tiles) && tiles !== 0))
-      throw new DiffractionError({
-        file: this.name,
-        field: 'repeat',
-        value: value.toArray(),
-        expected: 'two finite numbers other than 0',
-      })
+      refuse(this.name, 'repeat', value.toArray(), 'two finite numbers other than 0')
     this.uniforms.uFoilRepeat.value.copy(value)
   }
 
@@ -228,23 +223,18 @@ function bumpUniforms(map: LoadedMap): Record<string, IUniform> {
 function profileOfRecipe(map: LoadedMap): string {
   const { profile } = map.sidecar.recipe
   if (typeof profile === 'string' && profile !== '') return profile
-  throw new DiffractionError({
-    file: `${map.url}.json`,
-    field: 'recipe.profile',
-    value: profile,
-    expected: "the name of the gratings' profile",
-  })
+  refuse(`${map.url}.json`, 'recipe.profile', profile, "the name of the gratings' profile")
 }
 
 function periodsOf(map: LoadedMap): [number, number] {
   const lowest = constantOf(map, 'min_frequency')[0]!
   const highest = constantOf(map, 'max_frequency')[0]!
   if (!(lowest > 0 && highest >= lowest))
-    throw new DiffractionError({
-      file: `${map.url}.json`,
-      field: 'constants.min_frequency',
-      value: lowest,
-      expected: `above 0 and not above max_frequency, ${highest} (1/µm)`,
-    })
+    refuse(
+      `${map.url}.json`,
+      'constants.min_frequency',
+      lowest,
+      `above 0 and not above max_frequency, ${highest} (1/µm)`,
+    )
   return [1 / highest, 1 / lowest]
 }

@@ -1,5 +1,5 @@
 import type { IUniform, Vector3 } from 'three'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { gratingShaders } from '../glsl/grating-shaders.ts'
 import { constantOf, expectKinds, type LoadedMap } from '../maps/load.ts'
 import { gratingOptics } from '../spectrum/grating-optics.ts'
@@ -124,11 +124,11 @@ export abstract class GratingSurface implements Surface {
   #checkPhase(height: number): void {
     const highest = (this.#maxPhase * SHORTEST_WAVELENGTH) / (4 * Math.PI)
     if (height > highest)
-      throw new DiffractionError({
-        file: this.name,
-        field: 'height',
-        value: height,
-        expected: `at most ${highest.toPrecision(4)} µm, which the table of profile '${this.#profile}' covers`,
-      })
+      refuse(
+        this.name,
+        'height',
+        height,
+        `at most ${highest.toPrecision(4)} µm, which the table of profile '${this.#profile}' covers`,
+      )
   }
 }

@@ -1,6 +1,6 @@
 import { Vector2, type IUniform } from 'three'
 import heightFieldGlsl from '../../shaders/surfaces/height-field.glsl?raw'
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 import { heightFieldShaders } from '../glsl/height-field-shaders.ts'
 import { expectKinds, type LoadedMap } from '../maps/load.ts'
 import { unlikeBaked } from '../height-field/baked-pattern.ts'
@@ -67,12 +67,12 @@ export class HeightField implements Surface {
     tiles = null,
   }: HeightFieldOptions) {
     if (typeof field !== 'string' || field === '')
-      throw new DiffractionError({
-        file: this.name,
-        field: 'field',
-        value: field,
-        expected: 'the name or address of a baked height field, without its method',
-      })
+      refuse(
+        this.name,
+        'field',
+        field,
+        'the name or address of a baked height field, without its method',
+      )
     this.field = field
     this.tiles = tiles === null ? null : pairOfCounts(tiles)
     this.methods = this.tiles === null ? ALL : WITH_TILES
@@ -168,12 +168,12 @@ export class HeightField implements Surface {
 function pairOfCounts(value: unknown): Tiles {
   const pair: unknown[] = Array.isArray(value) ? value : [value, value]
   if (pair.length === 2 && pair.every(isCount)) return [pair[0] as number, pair[1] as number]
-  throw new DiffractionError({
-    file: 'HeightField',
-    field: 'tiles',
+  refuse(
+    'HeightField',
+    'tiles',
     value,
-    expected: 'a whole number of patches above 0, two for x and y, or null for no end',
-  })
+    'a whole number of patches above 0, two for x and y, or null for no end',
+  )
 }
 
 function isCount(value: unknown): boolean {

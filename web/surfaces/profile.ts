@@ -1,4 +1,4 @@
-import { DiffractionError } from '../errors.ts'
+import { refuse } from '../errors.ts'
 
 /** Profiles that are baked with the library; any other is the address of a map of kind 'profile'. */
 export const PROFILES = ['sinusoidal', 'rectangular', 'blazed', 'triangular', 'sampled'] as const
@@ -6,11 +6,11 @@ export const PROFILES = ['sinusoidal', 'rectangular', 'blazed', 'triangular', 's
 /** The address of a profile's efficiency table: a baked one by name, any other by its own address. */
 export function profileUrl(owner: string, profile: unknown, mapsPath: string): string {
   if (typeof profile !== 'string' || profile === '')
-    throw new DiffractionError({
-      file: owner,
-      field: 'profile',
-      value: profile,
-      expected: `one of ${PROFILES.join(', ')}, or the address of a map without extension`,
-    })
+    refuse(
+      owner,
+      'profile',
+      profile,
+      `one of ${PROFILES.join(', ')}, or the address of a map without extension`,
+    )
   return profile.includes('/') ? profile : `${mapsPath}profile-${profile}`
 }

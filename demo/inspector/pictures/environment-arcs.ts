@@ -1,3 +1,4 @@
+import type { Steps } from '../../../web/steps'
 import { make } from '../../ui/elements'
 import { css, toneMapped } from '../optics/display'
 import type { EnvironmentLight } from '../optics/environment-light'
@@ -35,12 +36,12 @@ export class EnvironmentArcs {
   }
 
   /** @param light - null where there is no environment */
-  show(
+  *show(
     optics: PointOptics,
     light: EnvironmentLight | null,
     exposure: number,
     colours: readonly Colour[],
-  ): void {
+  ): Steps<void> {
     if (!this.block.isOpen) return
     this.#canvas.hidden = light === null
     if (light === null) {
@@ -49,7 +50,7 @@ export class EnvironmentArcs {
     }
     const context = this.#canvas.getContext('2d')!
     if (this.#ground?.light !== light || this.#ground.exposure !== exposure)
-      this.#ground = { light, exposure, image: thumbnail(light, exposure) }
+      this.#ground = { light, exposure, image: yield* thumbnail(light, exposure) }
     context.putImageData(this.#ground.image, 0, 0)
     const { wo, axes, tables } = optics
     const place = (direction: Direction): [number, number] => {
@@ -170,10 +171,10 @@ function outlined(context: CanvasRenderingContext2D, text: string, x: number, y:
   context.fillText(text, x, y)
 }
 
-function thumbnail(light: EnvironmentLight, exposure: number): ImageData {
+function* thumbnail(light: EnvironmentLight, exposure: number): Steps<ImageData> {
   const image = new ImageData(WIDTH, HEIGHT)
   // At half the picture's resolution, which is what the page shows of it: a quarter of the time.
-  for (let y = 0; y < HEIGHT; y += 2)
+  for (let y = 0; y < HEIGHT; y += 2) {
     for (let x = 0; x < WIDTH; x += 2) {
       const rgb = light.texel(
         Math.floor(((x + 1) / WIDTH) * light.width),
@@ -183,5 +184,7 @@ function thumbnail(light: EnvironmentLight, exposure: number): ImageData {
       for (const at of [0, 1, WIDTH, WIDTH + 1])
         image.data.set([...shown, 255], 4 * (y * WIDTH + x + at))
     }
+    yield
+  }
   return image
 }

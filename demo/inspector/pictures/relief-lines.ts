@@ -1,3 +1,4 @@
+import type { Steps } from '../../../web/steps'
 import { make } from '../../ui/elements'
 import { css } from '../optics/display'
 import type { Colour } from '../optics/light-spectrum'
@@ -24,7 +25,7 @@ export class ReliefLines {
     this.block = new Block('Spectrum of the relief', true, this.#canvas)
   }
 
-  show(optics: PointOptics, colours: readonly Colour[]): void {
+  *show(optics: PointOptics, colours: readonly Colour[]): Steps<void> {
     const { relief: surface, wi, wo, tables } = optics
     this.block.element.hidden = surface === null
     if (surface === null || !this.block.isOpen) return
@@ -34,7 +35,7 @@ export class ReliefLines {
     // To a hundredth: what is smaller is not seen.
     const depth = Math.max(Math.round(100 * w) / 100, 0)
     if (this.#lines?.relief !== relief || this.#lines.w !== depth)
-      this.#lines = { relief, w: depth, ...drawnLines(relief, depth, reach) }
+      this.#lines = { relief, w: depth, ...(yield* drawnLines(relief, depth, reach)) }
     const context = this.#canvas.getContext('2d')!
     const place = (f: number): number => SIZE * (1 + f / reach)
     context.imageSmoothingEnabled = false
@@ -63,11 +64,11 @@ function reachOf(relief: Relief): number {
   return Math.min(held, 2 / 0.38)
 }
 
-function drawnLines(
+function* drawnLines(
   relief: Relief,
   w: number,
   reach: number,
-): { image: HTMLCanvasElement; strongest: string } {
+): Steps<{ image: HTMLCanvasElement; strongest: string }> {
   const limit = relief.lines.map((most, k) => Math.min(most, Math.floor(reach * relief.patch[k]!)))
   const [across, along] = limit as [number, number]
   // A line a pixel, at least so large that single ones of a coarse spectrum are small squares.
@@ -80,7 +81,8 @@ function drawnLines(
   const pixels = context.createImageData(columns!, rows!)
   for (let i = 3; i < pixels.data.length; i += 4) pixels.data[i] = 255
   const power = relief.powers(w, GREEN)
-  for (let j = -across; j <= across; j++)
+  for (let j = -across; j <= across; j++) {
+    yield
     for (let l = -along; l <= along; l++) {
       const share = power([j, l])
       const level = 255 * Math.min(Math.max(1 + Math.log10(Math.max(share, 1e-12)) / DECADES, 0), 1)
@@ -90,6 +92,7 @@ function drawnLines(
       const at = 4 * (row * columns! + column)
       if (level > pixels.data[at]!) pixels.data.fill(level, at, at + 3)
     }
+  }
   context.putImageData(pixels, 0, 0)
   const strongest = strongestLines(relief, w, GREEN)
     .slice(0, 4)
