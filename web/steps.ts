@@ -29,7 +29,7 @@ export async function bitByBit<Result>(steps: Steps<Result>): Promise<Result> {
 }
 
 /** Resolves in a task of its own. Timers would wait longer: browsers hold nested ones back by 4 ms. */
-function otherWork(): Promise<void> {
+export function otherWork(): Promise<void> {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel()
     port1.onmessage = () => {

@@ -7,7 +7,7 @@ import type { StochasticRecipe } from './stochastic-recipe'
 export interface Design {
   /** The shapes that were strewn; null where it began from a foil with an address. */
   recipe: StochasticRecipe | null
-  /** Periods that its gratings were given then, and the foil that had not got them yet. */
+  /** Periods that its gratings were given then, and the foil as it was before; null where they were not. */
   edited: { edit: PeriodEdit; source: LoadedMap } | null
   foil: StoredFoil
   facts: FoilFacts

@@ -5,7 +5,7 @@ import type { Demo } from '../demo'
 import type { Design } from './design'
 import type { Making } from './make-foil'
 import type { PeriodEdit } from './period-edit'
-import type { StochasticRecipe } from './stochastic-recipe'
+import { hasFiles, type StochasticRecipe } from './stochastic-recipe'
 
 /** Side of the tiles of which an object's `repeat` gives it its size, mm. */
 const TILE_MM = 25
@@ -21,6 +21,13 @@ export class Designs {
   get onShow(): Design | null {
     const { surface } = this.demo.subject
     return surface instanceof Foil ? (this.#made.get(surface.map) ?? null) : null
+  }
+
+  /** As `onShow`; null also where a link cannot hold it, since part of it is in a file. */
+  get inLink(): Design | null {
+    const { onShow } = this
+    const recipe = onShow?.recipe ?? null
+    return recipe !== null && hasFiles(recipe) ? null : onShow
   }
 
   /** Strews shapes. Resolves to false where that was stopped; rejects where the foil cannot be made or drawn. */

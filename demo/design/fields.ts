@@ -1,5 +1,6 @@
 import { DiffractionError } from '../../web'
 import { make, uniqueId } from '../ui/elements'
+import type { FileContent } from './stochastic-recipe'
 import { readNumber, readWord, refusal, type NumberRange, type Texts } from './values'
 
 export interface NumberFieldOptions extends NumberRange {
@@ -114,7 +115,63 @@ export class TextField extends Field<string> {
   }
 }
 
-export type AnyField = NumberField | ChoiceField<string> | TextField
+/** A file that is chosen, or dropped on its field, and read then. */
+export class FileField<T> extends Field<FileContent<T>> {
+  readonly #input: HTMLInputElement
+  #content: FileContent<T> | null = null
+  #refusal: DiffractionError
+
+  /**
+   * @param expected - what is said where there is no file
+   * @param type - as file dialogues take it
+   * @param open - throws a DiffractionError where a file cannot be used
+   */
+  constructor(
+    { name, label, expected, type }: Record<'name' | 'label' | 'expected' | 'type', string>,
+    private readonly open: (file: File) => Promise<T>,
+    private readonly onChange: () => void,
+  ) {
+    const input = make('input', '')
+    Object.assign(input, { type: 'file', accept: type })
+    // It has changed when it has been read.
+    super(name, label, input, '', () => undefined)
+    this.#input = input
+    this.#refusal = refusal(name, undefined, expected)
+    input.addEventListener('input', () => void this.#take(input.files?.[0]))
+  }
+
+  read(): FileContent<T> {
+    if (this.#content === null) throw this.#refusal
+    return this.#content
+  }
+
+  /** Takes over what was read before. */
+  hold(content: FileContent<T>): void {
+    const held = new DataTransfer()
+    held.items.add(content.source)
+    this.#input.files = held.files
+    this.#content = content
+  }
+
+  async #take(source: File | undefined): Promise<void> {
+    if (source === undefined) return
+    let content: FileContent<T> | null = null
+    try {
+      content = { source, content: await this.open(source) }
+    } catch (error) {
+      this.#refusal =
+        error instanceof DiffractionError
+          ? error
+          : refusal(this.name, source.name, 'a file that can be read')
+    }
+    // Another one may have been chosen by then.
+    if (this.#input.files?.[0] !== source) return
+    this.#content = content
+    this.onChange()
+  }
+}
+
+export type AnyField = Field<unknown>
 
 /**
  * What a form makes of its fields; each that is refused says so, and then there is nothing.
@@ -143,7 +200,10 @@ export function readForm<T>(fields: readonly AnyField[], read: (texts: Texts) =>
 
 /** Writes texts into the fields of their names. */
 export function fillForm(fields: readonly AnyField[], texts: Texts): void {
-  for (const field of fields) field.text = texts[field.name] ?? field.text
+  for (const field of fields) {
+    const text = texts[field.name]
+    if (text !== undefined) field.text = text
+  }
 }
 
 /** Says an error beside its field; throws it again where it is no field's. */

@@ -4,7 +4,7 @@ import type { Design } from './design'
 import { madeFoil, stored, type FoilFacts, type FoilTexels, type StoredFoil } from './foil-map'
 import { editedFacts, withPeriods, type PeriodEdit } from './period-edit'
 import { stochasticTexels } from './stochastic'
-import type { StochasticRecipe } from './stochastic-recipe'
+import { jsonOf, type StochasticRecipe } from './stochastic-recipe'
 import { part, told, type Work } from './work'
 
 export interface Making {
@@ -22,7 +22,7 @@ interface Made {
 /** A foil of strewn shapes. */
 export async function makeStrewn(recipe: StochasticRecipe, making: Making): Promise<Made> {
   const { height, tile_mm } = recipe
-  const facts = { height, tile: [tile_mm, tile_mm] as const, recipe: { ...recipe } }
+  const facts = { height, tile: [tile_mm, tile_mm] as const, recipe: jsonOf(recipe) }
   const { foil, map } = await made(stochasticTexels(recipe), facts, making)
   return { map, design: { recipe, edited: null, foil, facts } }
 }

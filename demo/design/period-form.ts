@@ -2,7 +2,14 @@ import { Chart, type ChartAxis } from '../inspector/pictures/chart'
 import { micrometres, number } from '../inspector/pictures/numbers'
 import { make, uniqueId } from '../ui/elements'
 import { ChoiceField, fillForm, NumberField, readForm, type AnyField } from './fields'
-import { BLENDS, EDIT_RANGES, periodAt, readEdit, textsOfEdit, type PeriodEdit } from './period-edit'
+import {
+  BLENDS,
+  EDIT_RANGES,
+  periodAt,
+  readEdit,
+  textsOfEdit,
+  type PeriodEdit,
+} from './period-edit'
 
 /** More steps than there are pixels. */
 const STEPS = 720
@@ -22,7 +29,7 @@ export class PeriodForm {
       field('longest', 'Period towards 180°', 2),
       field('bins', 'Ranges of orientation', 12),
       new ChoiceField('blend', 'From first to last', BLENDS, onChange),
-    ] as AnyField[]
+    ]
     this.#caption.id = uniqueId()
     const { element: picture } = this.#chart
     picture.setAttribute('role', 'img')

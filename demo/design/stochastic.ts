@@ -1,9 +1,10 @@
 import { roundHalfEven } from '../numbers/round-half-even'
+import { disc, square, type Figure } from './figures'
 import type { FoilTexels } from './foil-map'
 import { nearestPoints } from './nearest-points'
 import { NumpyRandom } from './numpy-random'
-import { Spiral } from './spiral'
-import type { Shape, StochasticRecipe } from './stochastic-recipe'
+import { spiral } from './spiral'
+import type { StochasticRecipe } from './stochastic-recipe'
 import { part, type Work } from './work'
 
 /** Texels that are looked at, and numbers that are drawn, before work may be left. */
@@ -12,22 +13,22 @@ const DRAWN_AT_ONCE = 1 << 10
 
 /** The foil of a recipe, the same as `precompute.foils.stochastic` makes of it. */
 export function* stochasticTexels(recipe: StochasticRecipe): Work<FoilTexels> {
-  const { size } = recipe
+  const { size, distribution } = recipe
   const random = new NumpyRandom(recipe.seed)
   const index = yield* part(0, 0.5, texture(recipe, random))
   const last = yield* part(0.5, 0.51, largest(index, size))
-  const spiral = new Spiral(recipe.distribution)
-  const gratings = yield* part(0.51, 0.9, spiral.sample(random, last + 1))
+  const drawn = distribution.kind === 'spiral' ? spiral(distribution) : distribution.file.content
+  const gratings = yield* part(0.51, 0.9, drawn.sample(random, last + 1))
   const values = new Float64Array(4 * size * size)
   for (let texel = 0; texel < index.length; texel++) {
     if (texel % size === 0) yield 0.9 + (0.1 * texel) / index.length
     const shape = index[texel]!
     // What is bare has the last shape's grating.
-    const drawn = shape < 0 ? last : shape
-    const turned = 2 * gratings.orientation[drawn]!
+    const grating = shape < 0 ? last : shape
+    const turned = 2 * gratings.orientation[grating]!
     values[4 * texel] = Math.cos(turned)
     values[4 * texel + 1] = Math.sin(turned)
-    values[4 * texel + 2] = gratings.frequency[drawn]!
+    values[4 * texel + 2] = gratings.frequency[grating]!
     values[4 * texel + 3] = shape < 0 ? 0 : 1
   }
   return { rows: size, columns: size, values }
@@ -45,8 +46,9 @@ function* texture(recipe: StochasticRecipe, random: NumpyRandom): Work<Int32Arra
     }
     return yield* part(0.3, 1, nearestPoints(points, size))
   }
-  const count = Math.ceil(cover / (side ** 2 * areaOf(recipe.shape)))
-  return yield* strewn(recipe.shape, count, random, side, size)
+  const figure = figureOf(recipe)
+  const count = Math.ceil(cover / (side ** 2 * figure.area))
+  return yield* strewn(figure, count, random, side, size)
 }
 
 function* largest(values: Int32Array, atOnce: number): Work<number> {
@@ -60,7 +62,7 @@ function* largest(values: Int32Array, atOnce: number): Work<number> {
 
 /** Shapes painted over one another, the last on top; what leaves the tile on one side comes in on the other. */
 function* strewn(
-  shape: Shape,
+  { isOn }: Figure,
   count: number,
   random: NumpyRandom,
   side: number,
@@ -84,7 +86,7 @@ function* strewn(
       const row = (((first[1] + dy) % size) + size) % size
       for (let dx = 0; dx < wide; dx++) {
         const x = (first[0] + dx + 0.5 - middle[0]) / (side * size)
-        if (Math.abs(x) > 0.5 || !isOn(shape, x, y)) continue
+        if (Math.abs(x) > 0.5 || !isOn(x, y)) continue
         uppermost[row * size + ((((first[0] + dx) % size) + size) % size)] = i
       }
     }
@@ -92,17 +94,7 @@ function* strewn(
   return uppermost
 }
 
-/** Whether (x, y) lies on the shape, within the box of ±½. */
-function isOn(shape: Shape, x: number, y: number): boolean {
-  return shape === 'squares' || x ** 2 + y ** 2 <= 0.25
-}
-
-/** Share of its box that a shape covers, to a thousandth. */
-function areaOf(shape: Shape): number {
-  const samples = 512
-  let count = 0
-  for (let row = 0; row < samples; row++)
-    for (let column = 0; column < samples; column++)
-      if (isOn(shape, (column + 0.5) / samples - 0.5, (row + 0.5) / samples - 0.5)) count++
-  return count / samples ** 2
+function figureOf({ shape, mask }: StochasticRecipe): Figure {
+  if (mask !== null) return mask.content
+  return shape === 'discs' ? disc() : square()
 }

@@ -11,7 +11,7 @@ export function strewnSetting({ designs }: Demo): Setting {
   return {
     name: 'strewn',
     read: () => {
-      const recipe = designs.onShow?.recipe ?? null
+      const recipe = designs.inLink?.recipe ?? null
       return recipe === null ? undefined : textOf(textsOf(recipe))
     },
     write: async (text) => {
@@ -25,7 +25,7 @@ export function periodsSetting({ designs }: Demo): Setting {
   return {
     name: 'periods',
     read: () => {
-      const edited = designs.onShow?.edited ?? null
+      const edited = designs.inLink?.edited ?? null
       return edited === null ? undefined : textOf(textsOfEdit(edited.edit))
     },
     write: async (text) => {

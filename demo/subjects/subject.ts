@@ -20,7 +20,7 @@ export interface Subject {
   flash: FlashPlace
   /** Flash and exposure for what reflects less than metal: radiant intensity in the scene's units, EV. */
   light?: { flash: number; exposure: number }
-  /** How many tiles of a foil cover it, along u and v, where any foil can. */
+  /** How many tiles of a foil, of 25 mm in most, cover it along u and v, where any foil can. */
   repeat?: Vector2
   /** What can be bent, where something can. */
   sheet?: Sheet

@@ -42,7 +42,12 @@ export class Actions {
     const { demo } = this
     const link = linkTo(location.href, this.settings)
     history.replaceState(null, '', link)
-    await demo.tell(navigator.clipboard.writeText(link), 'The link is copied.')
+    const { onShow, inLink } = demo.designs
+    const done =
+      onShow === inLink
+        ? 'The link is copied.'
+        : 'The link is copied, without the foil: part of it is in a file of yours. Download its map to pass it on.'
+    await demo.tell(navigator.clipboard.writeText(link), done)
   }
 
   async #save(): Promise<void> {

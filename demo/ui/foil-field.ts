@@ -17,10 +17,7 @@ export function foilField(demo: Demo): { choice: Control; address: Control; sett
       name: 'pattern',
       label: 'Pattern',
       options: { ...FOILS, [DESIGNED]: 'Designed here' },
-      offered: () => [
-        ...(demo.designs.onShow === null ? [] : [DESIGNED]),
-        ...Object.keys(FOILS),
-      ],
+      offered: () => [...(demo.designs.onShow === null ? [] : [DESIGNED]), ...Object.keys(FOILS)],
       get: () => {
         if (!isFoil()) return undefined
         if (demo.designs.onShow !== null) return DESIGNED

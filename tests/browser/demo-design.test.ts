@@ -10,6 +10,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, it, vi } from 'vitest
 import { venvProgram } from '../../scripts/python.mjs'
 import { Foil } from '../../web'
 import { serveFiles } from '../web/fake-maps'
+import { python } from '../web/python'
 import { demoPages, picture, settle, type OpenedPage, type OpenOptions } from './demo-page'
 import { dockLayout } from './dock-layout'
 import { meanDifference } from './screenshot'
@@ -199,7 +200,7 @@ describe('the design panel', () => {
     'makes foils that a link holds, to the texel, on the %s',
     async (scene) => {
       const permissions = ['clipboard-read', 'clipboard-write']
-      const { page } = await design(`?scene=${scene}`, 820, 420, { permissions })
+      const { page } = await design(`?scene=${scene}`, 1200, 420, { permissions })
       const pattern = page.getByLabel('Pattern', { exact: true })
       const patterns = await pattern.locator('option').allInnerTexts()
       expect(patterns).not.toContain('Designed here')
@@ -218,7 +219,8 @@ describe('the design panel', () => {
         async (): Promise<void> => {
           await page.getByLabel('Periods by orientation').check()
           await page.getByLabel('Period at 0°').fill('0.875')
-          await page.locator('.design [role=status]', { hasText: 'periods 875' }).waitFor()
+          await page.waitForTimeout(1000)
+          await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
         },
       ]
       for (const make of ways) {
@@ -230,7 +232,7 @@ describe('the design panel', () => {
         await page.getByText('The link is copied.').waitFor()
         const { search } = new URL(await page.evaluate(() => navigator.clipboard.readText()))
 
-        const again = await design(search, 820, 420)
+        const again = await design(search, 1200, 420)
         expect(meanDifference(before, await picture(again.page))).toBeLessThan(0.1)
         const image = 'my-foil.grating.png'
         expect((await savedFiles(again.page))[image]).toEqual(files[image])
@@ -254,8 +256,105 @@ describe('the design panel', () => {
     },
   )
 
+  it('strews the figure of a picture, of every kind of PNG, as the command does', async () => {
+    const kinds = (await python(
+      `
+from pathlib import Path
+import numpy as np
+from PIL import Image, PngImagePlugin
+folder = Path(input)
+rng = np.random.default_rng(3)
+colours = rng.integers(0, 256, (11, 17, 4)).astype(np.uint8)
+colour = Image.fromarray(colours)
+grey = Image.fromarray(colours[..., 0])
+palette = colour.convert("RGB").quantize(16)
+def lightest(picture):
+    return max((colour for _, colour in picture.getcolors()), key=np.sum)
+profile = PngImagePlugin.PngInfo()
+profile.add(b"gAMA", (100000).to_bytes(4, "big"))
+pictures = {
+    "rgba": (colour, {}),
+    "rgb": (colour.convert("RGB"), {}),
+    "rgb-key": (palette.convert("RGB"), {"transparency": lightest(palette.convert("RGB"))}),
+    "grey": (grey, {}),
+    "grey-alpha": (colour.convert("LA"), {}),
+    "grey-key": (palette.convert("L"), {"transparency": lightest(palette.convert("L"))}),
+    "bits": (grey.point(lambda value: 255 * (value > 99), "1"), {}),
+    "palette": (palette, {}),
+    "palette-4": (palette, {"bits": 4}),
+    "palette-alpha": (palette, {"transparency": bytes(range(255, 95, -10))}),
+    "gamma": (colour, {"pnginfo": profile}),
+    "tall": (colour.rotate(90, expand=True), {}),
+}
+for name, (picture, options) in pictures.items():
+    picture.save(folder / f"{name}.png", **options)
+colour.convert("RGB").save(folder / "photo.jpg")
+Image.fromarray(np.full((9, 9), 60000, np.uint16)).save(folder / "deep.png")
+Image.new("L", (2049, 2), 255).save(folder / "wide.png")
+Image.new("L", (9, 9), 20).save(folder / "dark.png")
+(folder / "cut.png").write_bytes((folder / "rgba.png").read_bytes()[:90])
+print(json.dumps(list(pictures)))`,
+      folder,
+    )) as string[]
+    const { page, complaints } = await design('', 820, 420, {
+      permissions: ['clipboard-read', 'clipboard-write'],
+    })
+    await page.getByLabel('Texels a side', { exact: true }).fill('64')
+    await page.getByLabel('Size of a shape', { exact: true }).fill('7')
+    await page.getByLabel('Cover, times over').fill('2')
+    await page.getByLabel('Shapes', { exact: true }).selectOption('Of a picture')
+    const file = page.getByLabel('Picture, light on dark')
+    const said = page.locator('.field', { has: file }).locator('.field-error')
+    await said.filter({ hasText: 'Expected a PNG file' }).waitFor()
+    const status = page.locator('.design [role=status]')
+    for (const kind of kinds) {
+      await file.setInputFiles(join(folder, `${kind}.png`))
+      await page.waitForTimeout(500)
+      await status.filter({ hasText: '64 × 64 texels' }).waitFor()
+      await page.getByLabel('Name of the map').fill(`of-${kind}`)
+      const files = await savedFiles(page)
+      const sidecar = JSON.parse(new TextDecoder().decode(files[`of-${kind}.json`])) as object
+      expect(sidecar).toMatchObject({ recipe: { shape: 'mask', mask: `${kind}.png` } })
+    }
+    const off = await python(
+      `
+from pathlib import Path
+import numpy as np
+from precompute.foils.recipe import StochasticFoilRecipe
+from precompute.foils.stochastic import stochastic_foil
+from precompute.maps import Map
+kinds, folder = input[0], Path(input[1])
+def off(kind):
+    recipe = json.loads((folder / f"of-{kind}.json").read_text())["recipe"]
+    stochastic_foil(StochasticFoilRecipe.model_validate(recipe), folder).write(folder, "baked")
+    mine, baked = (Map.read(folder / name).tables["grating"].values for name in (f"of-{kind}", "baked"))
+    return float(np.abs(mine - baked).max())
+print(json.dumps([off(kind) for kind in kinds]))`,
+      [kinds, folder],
+    )
+    expect(Object.fromEntries(kinds.map((kind, i) => [kind, (off as number[])[i]]))).toEqual(
+      Object.fromEntries(kinds.map((kind) => [kind, 0])),
+    )
+    // No link holds it, and that is said.
+    await page.getByRole('button', { name: 'Share' }).press('Enter')
+    await page.getByText('without the foil: part of it is in a file of yours').waitFor()
+    expect(page.url()).not.toMatch(/strewn|foil=/)
+    for (const [name, message] of [
+      ['photo.jpg', 'a PNG file'],
+      ['deep.png', '8 bits a channel, not 16'],
+      ['wide.png', 'at most 2048 × 2048 pixels and 16 MB, not 2049 × 2'],
+      ['dark.png', 'a light, opaque figure'],
+      ['cut.png', 'a PNG that is whole'],
+    ] as const) {
+      await file.setInputFiles(join(folder, name))
+      await said.filter({ hasText: message }).waitFor()
+      await status.filter({ hasText: 'the last foil stays' }).waitFor()
+    }
+    expect(complaints).toEqual([])
+  })
+
   it('stops when it is told to, and when another pattern is chosen', async () => {
-    const { page, complaints } = await design('', 820, 420)
+    const { page, complaints } = await design('', 1200, 420)
     const before = await picture(page)
     const begin = async (): Promise<void> => {
       await page.getByLabel('Texels a side', { exact: true }).fill('1024')

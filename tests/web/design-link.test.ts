@@ -5,7 +5,7 @@ import { follow, linkTo } from '../../demo/link/link'
 import { periodsSetting, strewnSetting } from '../../demo/link/designs'
 
 const STREWN =
-  'shape:discs,shape_mm:0.8,cover:5,shortest:1.2,longest:2.4,spread:0.02,size:512,tile_mm:25,height:0.15,profile:blazed,seed:7'
+  'shape:discs,shape_mm:0.8,cover:5,shortest:1.2,longest:2.4,spread:0.02,size:512,tile_mm:25,height:0.15,seed:7,profile:blazed'
 const POLYGONS = STREWN.replace('discs', 'polygons').replace('cover:5,', '')
 const PERIODS = 'shortest:0.9,longest:2,bins:12,blend:sin2'
 
@@ -15,12 +15,12 @@ function page(): {
   strew: ReturnType<typeof vi.fn>
   givePeriods: ReturnType<typeof vi.fn>
 } {
-  const designs: { onShow: Partial<Design> | null } = { onShow: null }
+  const designs: { inLink: Partial<Design> | null } = { inLink: null }
   const strew = vi.fn((recipe: Design['recipe']) => {
-    designs.onShow = { recipe, edited: null }
+    designs.inLink = { recipe, edited: null }
   })
   const givePeriods = vi.fn((edit: object) => {
-    designs.onShow = { ...designs.onShow, edited: { edit } as Design['edited'] }
+    designs.inLink = { ...designs.inLink, edited: { edit } as Design['edited'] }
   })
   return {
     demo: { designs: Object.assign(designs, { strew, givePeriods }) } as unknown as Demo,

@@ -9,7 +9,8 @@ import { madeFoil, stored, type FoilTexels, type MadeFoil } from '../../demo/des
 import { NumpyRandom } from '../../demo/design/numpy-random'
 import { editedFacts, periodAt, withPeriods, type PeriodEdit } from '../../demo/design/period-edit'
 import { stochasticTexels } from '../../demo/design/stochastic'
-import type { StochasticRecipe } from '../../demo/design/stochastic-recipe'
+import { readDistribution } from '../../demo/design/distribution-file'
+import { jsonOf, type StochasticRecipe } from '../../demo/design/stochastic-recipe'
 import type { Work } from '../../demo/design/work'
 import { Foil } from '../../web'
 import { loadMap } from '../../web/maps/load'
@@ -96,6 +97,46 @@ describe('random numbers', () => {
   })
 })
 
+/** Expects what a recipe makes to be what it bakes, files of its being in the folder. */
+async function expectAsBaked(wanted: StochasticRecipe): Promise<void> {
+  const texels = atOnce(stochasticTexels(wanted))
+  const { height, tile_mm } = wanted
+  const foil = await written('strewn', texels, {
+    ...{ height, tile: [tile_mm, tile_mm], recipe: jsonOf(wanted) },
+  })
+  const [sidecar, found] = (await python(
+    `
+from pathlib import Path
+import numpy as np
+from precompute.foils.recipe import StochasticFoilRecipe
+from precompute.foils.stochastic import stochastic_foil
+from precompute.maps import Map
+recipe, folder = input
+foil = stochastic_foil(StochasticFoilRecipe.model_validate(recipe), Path(folder))
+file = Path(folder) / "baked.json"
+foil.write(file.parent, "baked")
+mine, baked = (Map.read(Path(folder) / name).tables["grating"].values for name in ("strewn", "baked"))
+print(json.dumps([json.loads(file.read_text()), float(np.abs(mine - baked).max())]))`,
+    [jsonOf(wanted), folder],
+  )) as [unknown, number]
+  expect(found).toBe(0)
+  expect(common(foil)).toEqual(fieldsInCommon(sidecar))
+}
+
+/** A distribution of uneven cells, some of them empty. */
+const MEASURED = {
+  format: 'three-diffraction/grating-distribution',
+  version: 1,
+  orientation_edges: [-0.3, 0.1, 0.7, 1.9, 2.8],
+  frequency_edges: [0.4, 0.5, 0.55, 0.9],
+  weights: [
+    [0, 3, 1e-3],
+    [2, 0, 0],
+    [0, 0, 0],
+    [0.5, 0.25, 7],
+  ],
+}
+
 describe('a foil of strewn shapes', () => {
   it.each([
     recipe({}),
@@ -103,29 +144,13 @@ describe('a foil of strewn shapes', () => {
     recipe({ shape: 'polygons', cover: null, shape_mm: 1.1, profile: 'blazed' }),
     recipe({ shape: 'polygons', cover: null, shape_mm: 5 }),
     recipe({ distribution: { kind: 'spiral', shortest: 0.9, longest: 3, spread: 0.1 } }),
-  ])('is the one that the same recipe bakes: $shape', async (wanted) => {
-    const texels = atOnce(stochasticTexels(wanted))
-    const { height, tile_mm } = wanted
-    const foil = await written('strewn', texels, {
-      ...{ height, tile: [tile_mm, tile_mm], recipe: { ...wanted } },
-    })
-    const [sidecar, found] = (await python(
-      `
-from pathlib import Path
-import numpy as np
-from precompute.foils.recipe import StochasticFoilRecipe
-from precompute.foils.stochastic import stochastic_foil
-from precompute.maps import Map
-recipe, folder = input
-foil = stochastic_foil(StochasticFoilRecipe.model_validate(recipe), Path("."))
-file = Path(folder) / "baked.json"
-foil.write(file.parent, "baked")
-mine, baked = (Map.read(Path(folder) / name).tables["grating"].values for name in ("strewn", "baked"))
-print(json.dumps([json.loads(file.read_text()), float(np.abs(mine - baked).max())]))`,
-      [wanted, folder],
-    )) as [unknown, number]
-    expect(found).toBe(0)
-    expect(common(foil)).toEqual(fieldsInCommon(sidecar))
+  ])('is the one that the same recipe bakes: $shape', expectAsBaked)
+
+  it('has the gratings of a file’s distribution', async () => {
+    const source = new File([JSON.stringify(MEASURED)], 'measured.json')
+    await writeFile(join(folder, source.name), await source.text())
+    const file = { source, content: await readDistribution(source) }
+    await expectAsBaked(recipe({ shape_mm: 0.3, distribution: { kind: 'file', file } }))
   })
 
   it('differs from seed to seed', () => {
@@ -190,7 +215,7 @@ describe('a map made in the page', () => {
     const wanted = recipe({ shape: 'discs' })
     const texels = atOnce(stochasticTexels(wanted))
     const foil = await written('mine', texels, {
-      ...{ height: 0.15, tile: [10, 10] as const, recipe: { ...wanted } },
+      ...{ height: 0.15, tile: [10, 10] as const, recipe: jsonOf(wanted) },
     })
     serveFiles(
       Object.fromEntries(
@@ -213,5 +238,55 @@ describe('a map made in the page', () => {
   it('is refused where nothing diffracts', () => {
     const bare = { rows: 2, columns: 2, values: new Float64Array(16) }
     expect(() => atOnce(stored(bare))).toThrow('strength is 0, expected above 0 somewhere')
+  })
+})
+
+describe('a file of a distribution', () => {
+  const wrong: [string, unknown][] = [
+    ["format: 'three-diffraction/grating-distribution'", { ...MEASURED, format: 'other' }],
+    ['version: 1', { ...MEASURED, version: 2 }],
+    ['more: no such field', { ...MEASURED, more: 1 }],
+    ['a distribution of gratings', null],
+    ['orientation_edges: two numbers or more', { ...MEASURED, orientation_edges: [1] }],
+    ['orientation_edges: two numbers', { ...MEASURED, orientation_edges: [0, 'x', 1, 2, 3] }],
+    ['orientation_edges: numbers that rise', { ...MEASURED, orientation_edges: [0, 1, 1, 2, 3] }],
+    ['orientation_edges: a span of π', { ...MEASURED, orientation_edges: [0, 1, 2, 3, 3.2] }],
+    ['frequency_edges: above 0', { ...MEASURED, frequency_edges: [0, 0.5, 0.6, 0.7] }],
+    ['weights: 4 rows of 3', { ...MEASURED, weights: MEASURED.weights.slice(1) }],
+    ['weights: 4 rows of 3', { ...MEASURED, weights: [[1], [1], [1], [1]] }],
+    ['weights: 4 rows of 3', { ...MEASURED, weights: MEASURED.weights.map(() => [1, 1, -1]) }],
+    ['weights: one above 0', { ...MEASURED, weights: MEASURED.weights.map(() => [0, 0, 0]) }],
+  ]
+
+  it.each(wrong)('is refused where it is wrong: %s', async (message, contents) => {
+    const file = new File([JSON.stringify(contents)], 'wrong.json')
+    await expect(readDistribution(file)).rejects.toThrow(message)
+  })
+
+  it('is refused where the command refuses it', async () => {
+    const refused = await python(
+      `
+from pathlib import Path
+from precompute.errors import InputError
+from precompute.foils.distribution import GratingDistribution
+contents, folder = input
+def refused(value):
+    file = Path(folder) / "wrong.json"
+    file.write_text(json.dumps(value))
+    try:
+        GratingDistribution.read(file)
+    except InputError:
+        return True
+    return False
+print(json.dumps([refused(value) for value in contents]))`,
+      [[...wrong.map(([, contents]) => contents), MEASURED], folder],
+    )
+    expect(refused).toEqual([...wrong.map(() => true), false])
+  })
+
+  it('is refused where it is no JSON, or too large', async () => {
+    await expect(readDistribution(new File(['{'], 'cut.json'))).rejects.toThrow('a JSON file')
+    const large = new File([new Uint8Array(2 ** 22 + 1)], 'large.json')
+    await expect(readDistribution(large)).rejects.toThrow('at most 4 MB')
   })
 })

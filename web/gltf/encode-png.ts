@@ -1,11 +1,11 @@
 import { readAtMost } from '../maps/streams.ts'
-import { bitByBit, type Steps } from '../steps.ts'
+import { bitByBit, otherWork, type Steps } from '../steps.ts'
 
 const SIGNATURE = Uint8Array.of(0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a)
 const CHANNELS = 4
 /** Each byte less the one above it: what is alike from row to row, as foils are, deflates best. */
 const FILTER_UP = 2
-/** Bytes of a checksum before work may be left. */
+/** Bytes that are compressed, or summed, before work may be left. */
 const AT_ONCE = 1 << 16
 
 /**
@@ -21,9 +21,8 @@ export async function encodePng(
   header.setUint32(4, height)
   header.setUint8(8, 8) // bits
   header.setUint8(9, 6) // RGBA
-  const stream = new Blob([await bitByBit(filtered(pixels, height, CHANNELS * width))])
-    .stream()
-    .pipeThrough(new CompressionStream('deflate'))
+  const rows = await bitByBit(filtered(pixels, height, CHANNELS * width))
+  const stream = inPieces(rows).pipeThrough(new CompressionStream('deflate'))
   const deflated = (await readAtMost(stream, Infinity))!
   return joined([
     SIGNATURE,
@@ -50,6 +49,18 @@ function* filtered(
     }
   }
   return rows
+}
+
+/** Each piece in a task of its own: browsers compress on the thread that asks, and a Blob's stream has pieces of megabytes. */
+function inPieces(bytes: Uint8Array<ArrayBuffer>): ReadableStream<Uint8Array<ArrayBuffer>> {
+  let position = 0
+  return new ReadableStream({
+    async pull(controller) {
+      await otherWork()
+      controller.enqueue(bytes.subarray(position, (position += AT_ONCE)))
+      if (position >= bytes.length) controller.close()
+    },
+  })
 }
 
 /** Length, type, data, checksum. */
