@@ -108,6 +108,30 @@ describe('the lacquer', () => {
     expect(compared).toBeGreaterThan(300)
   })
 
+  it('shows a light of some size as it is where it is smooth', async () => {
+    // A Gaussian light's radiance is E/(2π r²) exp(−θ²/2r²); a mirror returns F of it.
+    const radius = 0.05
+    const rendering = await render(harness, {
+      ...matt,
+      camera: { position: [0, 0, 1], fov_deg: 20 },
+      mesh: { kind: 'plane', size: [4, 4] },
+      material: { color: [0, 0, 0], coat: 1, coatIor: 1.5 },
+      lights: [{ kind: 'directional', direction: [0, 0, 1], angularRadius: radius }],
+    })
+    const middle = 0.04 / (2 * Math.PI * radius ** 2)
+    let compared = 0
+    for (const pixel of rendering.covered) {
+      const [x, y, z] = rendering.vector('position', pixel)
+      // Between the mirror image of the view and the light.
+      const angle = Math.acos(-z / Math.hypot(x, y, z))
+      if (angle > 3 * radius) continue
+      const expected = middle * Math.exp(-((angle / radius) ** 2) / 2)
+      expect(Math.abs(rendering.rgb(pixel)[0] - expected)).toBeLessThan(0.01 * middle)
+      compared++
+    }
+    expect(compared).toBeGreaterThan(300)
+  })
+
   it('keeps the energy of a light in its highlight', async () => {
     // A plane seen from far away, lit from the viewer's side: over the plane the half vector crosses the lobe, and
     // ∫ L dω_o cosθ_o = F E, here as a sum over pixels of a pinhole camera.
