@@ -13,32 +13,31 @@ float coatTransmittance(float cosTheta) {
 }
 
 // Radiance (linear sRGB) that the lacquer throws from one light to the viewer. wi, wo, normal: unit vectors.
-// GGX with the height-correlated Smith term (Heitz 2014). A Gaussian light of deviation r spreads half vectors by r/2, as a
-// Gaussian: a smooth lacquer shows the light itself, F E/(2π r²) in its middle, a rough one its own lobe, and between them the
-// highlight is of both shapes by their shares of the width. Below alpha = 0.0025 a highlight is smaller than a pixel and its
-// peak, 1/(π alpha²), nears the largest half float, 65504.
+// A rough lacquer has the lobe of GGX with the height-correlated Smith term (Heitz 2014). A smooth one shows the light itself:
+// of a Gaussian light of deviation r, F E exp(−|d|²/2r²)/(2π r²) with d from the light to the mirrored view. Where both spread
+// it, half vectors by alpha/√2 and r/2 along an axis, the highlight is of both shapes, by their shares of the variance. Below
+// alpha = 0.0025 a highlight is smaller than a pixel and its peak, 1/(π alpha²), nears the largest half float, 65504.
 vec3 coatRadianceFromLight(vec3 normal, vec3 wi, vec3 wo, LightSpectrum light) {
 	float cosI = dot(normal, wi);
 	float cosO = dot(normal, wo);
 	if (cosI <= 0.0 || cosO <= 0.0) return vec3(0.0);
 	vec3 h = normalize(wi + wo);
 	float cosH = clamp(dot(normal, h), 0.0, 1.0);
-	float alpha2 = uCoatRoughness * uCoatRoughness * uCoatRoughness * uCoatRoughness;
-	float disc2 = 0.5 * light.angularRadius * light.angularRadius;
-	float a2 = max(alpha2 + disc2, 6.25e-6);
+	float alpha = uCoatRoughness * uCoatRoughness;
+	float disc2 = light.angularRadius * light.angularRadius;
+	float a2 = max(alpha * alpha + 0.5 * disc2, 6.25e-6);
 	// 1 − cos²(1 − a²) = sin² + a² cos², with sin² from a cross product: the difference of two numbers near 1
 	// would cost a sharp highlight its digits.
 	vec3 nxh = cross(normal, h);
-	float sin2 = dot(nxh, nxh), cos2 = max(cosH * cosH, 1e-6);
-	float spread = sin2 + a2 * cos2;
-	float ggx = a2 / (spread * spread);
-	float gaussian = exp(-sin2 / (a2 * cos2)) / (a2 * cos2 * cos2);
-	float distribution = mix(ggx, gaussian, disc2 / a2) / PI;
-	float smithI = cosO * sqrt(alpha2 + (1.0 - alpha2) * cosI * cosI);
-	float smithO = cosI * sqrt(alpha2 + (1.0 - alpha2) * cosO * cosO);
-	float visibility = 0.5 / (smithI + smithO);
+	float denominator = dot(nxh, nxh) + a2 * cosH * cosH;
+	float distribution = a2 / (PI * denominator * denominator);
+	float smithI = cosO * sqrt(a2 + (1.0 - a2) * cosI * cosI);
+	float smithO = cosI * sqrt(a2 + (1.0 - a2) * cosO * cosO);
+	float lobe = distribution * cosI * 0.5 / (smithI + smithO);
+	vec3 off = reflect(-wo, normal) - wi;
+	float image = exp(-0.25 * dot(off, off) / a2) / (4.0 * PI * a2);
 	float fresnel = fresnelDielectric(clamp(dot(wi, h), 0.0, 1.0), uCoatIor);
-	return light.color * (uCoat * fresnel * distribution * visibility * cosI);
+	return light.color * (uCoat * fresnel * mix(lobe, image, 0.5 * disc2 / a2));
 }
 
 #ifdef ENVIRONMENT

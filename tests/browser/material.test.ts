@@ -108,25 +108,32 @@ describe('the lacquer', () => {
     expect(compared).toBeGreaterThan(300)
   })
 
-  it('shows a light of some size as it is where it is smooth', async () => {
+  it.each<[string, Vector]>([
+    ['head-on', [0, 0, 1]],
+    ['aslant', [0, 0.8, 0.6]],
+  ])('shows a light of some size %s as it is where it is smooth', async (_name, light) => {
     // A Gaussian light's radiance is E/(2π r²) exp(−θ²/2r²); a mirror returns F of it.
     const radius = 0.05
     const rendering = await render(harness, {
       ...matt,
-      camera: { position: [0, 0, 1], fov_deg: 20 },
+      camera: { position: [light[0], -light[1], light[2]], fov_deg: 20 },
       mesh: { kind: 'plane', size: [4, 4] },
       material: { color: [0, 0, 0], coat: 1, coatIor: 1.5 },
-      lights: [{ kind: 'directional', direction: [0, 0, 1], angularRadius: radius }],
+      lights: [{ kind: 'directional', direction: light, angularRadius: radius }],
     })
-    const middle = 0.04 / (2 * Math.PI * radius ** 2)
     let compared = 0
     for (const pixel of rendering.covered) {
-      const [x, y, z] = rendering.vector('position', pixel)
-      // Between the mirror image of the view and the light.
-      const angle = Math.acos(-z / Math.hypot(x, y, z))
+      const wo = normalized(rendering.vector('position', pixel).map((c) => -c) as Vector)
+      const normal = rendering.vector('normal', pixel)
+      const mirrored = wo.map((c, i) => 2 * dot(wo, normal) * normal[i]! - c) as Vector
+      // The view space's normal is the plane's: the light is where the middle of the view is mirrored.
+      const towards = [0, 0, 1].map((c, i) => 2 * normal[2] * normal[i]! - c) as Vector
+      const angle = Math.acos(Math.min(dot(mirrored, towards), 1))
       if (angle > 3 * radius) continue
-      const expected = middle * Math.exp(-((angle / radius) ** 2) / 2)
-      expect(Math.abs(rendering.rgb(pixel)[0] - expected)).toBeLessThan(0.01 * middle)
+      const peak = fresnel(dot(wo, normal), 1.5) / (2 * Math.PI * radius ** 2)
+      const expected = peak * Math.exp(-((angle / radius) ** 2) / 2)
+      // Fresnel's share is that of the half vector, by 1 % another at 53° and three deviations.
+      expect(Math.abs(rendering.rgb(pixel)[0] - expected)).toBeLessThan(0.012 * peak)
       compared++
     }
     expect(compared).toBeGreaterThan(300)
