@@ -33,11 +33,10 @@ vec3 coatRadianceFromLight(vec3 normal, vec3 wi, vec3 wo, LightSpectrum light) {
 	float distribution = a2 / (PI * denominator * denominator);
 	float smithI = cosO * sqrt(a2 + (1.0 - a2) * cosI * cosI);
 	float smithO = cosI * sqrt(a2 + (1.0 - a2) * cosO * cosO);
-	float lobe = distribution * cosI * 0.5 / (smithI + smithO);
+	float lobe = fresnelDielectric(clamp(dot(wi, h), 0.0, 1.0), uCoatIor) * distribution * cosI * 0.5 / (smithI + smithO);
 	vec3 off = reflect(-wo, normal) - wi;
-	float image = exp(-0.25 * dot(off, off) / a2) / (4.0 * PI * a2);
-	float fresnel = fresnelDielectric(clamp(dot(wi, h), 0.0, 1.0), uCoatIor);
-	return light.color * (uCoat * fresnel * mix(lobe, image, 0.5 * disc2 / a2));
+	float image = fresnelDielectric(min(cosO, 1.0), uCoatIor) * exp(-0.25 * dot(off, off) / a2) / (4.0 * PI * a2);
+	return light.color * (uCoat * mix(lobe, image, 0.5 * disc2 / a2));
 }
 
 #ifdef ENVIRONMENT

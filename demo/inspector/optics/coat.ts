@@ -12,7 +12,7 @@ export interface Coat {
   alpha: number
 }
 
-/** Below, highlights are smaller than a pixel; the shaders' lobe of a light is no narrower either. */
+/** Below, the highlight of a point is smaller than a pixel; the shaders' lobe of a light is no narrower either. */
 const LEAST_ALPHA = 0.0025
 /** Parts of the lobe along its two uniform numbers, the radius' and the turn's. */
 const [RINGS, SECTORS] = [32, 64] as const
@@ -37,14 +37,13 @@ export function coatHighlight(
   angularRadius: number,
 ): number {
   if (wi[2] <= 0 || wo[2] <= 0) return 0
-  const alpha = Math.max(coat.alpha, LEAST_ALPHA)
-  const wide = { ...coat, alpha }
-  if (angularRadius === 0) return reflected(wide, wi, wo)
+  if (angularRadius === 0)
+    return reflected({ ...coat, alpha: Math.max(coat.alpha, LEAST_ALPHA) }, wi, wo)
   let sum = 0
-  if (2 * alpha < angularRadius) {
+  if (2 * coat.alpha < angularRadius) {
     // The lobe is the narrower of both: what of the disc lies in it.
     const density = 1 / (2 * Math.PI * angularRadius ** 2)
-    alongLobe(wide, wo, (x, y, z, share) => {
+    alongLobe(coat, wo, (x, y, z, share) => {
       const cosine = x * wi[0] + y * wi[1] + z * wi[2]
       // 1 − cos of the angle, with the digits of small ones.
       const away2 = (x - wi[0]) ** 2 + (y - wi[1]) ** 2 + (z - wi[2]) ** 2
@@ -63,7 +62,7 @@ export function coatHighlight(
       ) as unknown as Direction
       const length = Math.hypot(...moved)
       total += share
-      sum += share * reflected(wide, moved.map((x) => x / length) as unknown as Direction, wo)
+      sum += share * reflected(coat, moved.map((x) => x / length) as unknown as Direction, wo)
     }
   return sum / total
 }
