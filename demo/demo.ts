@@ -1,6 +1,7 @@
 import type { Feature } from '../web'
 import { DiffractionError, Foil, HeightField } from '../web'
 import { Comparison } from './compare/comparison'
+import { Designs } from './design/designs'
 import { ENVIRONMENTS, type EnvironmentName } from './light/environments'
 import { Flash } from './light/flash'
 import { Surroundings } from './light/surroundings'
@@ -21,6 +22,7 @@ export class Demo {
   readonly comparison: Comparison
   readonly banner = new Banner()
   readonly loading = new Loading()
+  readonly designs = new Designs(this)
   /** Called when values have changed by other ways than their controls. */
   onChanged: () => void = () => undefined
 
@@ -95,6 +97,7 @@ export class Demo {
   }
 
   async showSubject(name: SubjectName): Promise<void> {
+    this.designs.stop()
     this.#subjectName = name
     await this.#load(`the ${SUBJECTS[name].toLowerCase()} and its tables`, async () => {
       const subject = await loadSubject(name)
@@ -109,21 +112,21 @@ export class Demo {
     this.onChanged()
   }
 
-  /** Covers the object on show with another foil, unless its map is broken. */
+  /** Covers the object on show with another foil; rejects where its map is broken. */
   async showFoil(url: string): Promise<void> {
-    const { subject } = this
+    this.designs.stop()
+    const { subject, loading } = this
     const { repeat } = subject
     if (repeat === undefined) return
-    await this.#load('the foil', async () => {
+    await loading.track('Loading the foil …', async () => {
       await this.#cover(subject, await loadFoil(url, repeat))
     })
     this.onChanged()
   }
 
-  /** Covers the object on show with a foil that was made in the page; rejects where it cannot be drawn. */
-  async showMadeFoil(foil: Foil): Promise<void> {
-    await this.#cover(this.subject, foil)
-    this.viewer.invalidate()
+  /** Covers an object with a foil that was made in the page; rejects where it cannot be drawn. */
+  async showMadeFoil(subject: Subject, foil: Foil): Promise<void> {
+    await this.#cover(subject, foil)
     this.onChanged()
   }
 
@@ -157,6 +160,8 @@ export class Demo {
       // Another one may have been chosen by then.
       if (material.surface === surface) material.surface = subject.surface
       throw error
+    } finally {
+      this.viewer.invalidate()
     }
     subject.surface = surface
     this.banner.hide()
@@ -183,7 +188,7 @@ export class Demo {
 
   async #load(what: string, task: () => Promise<void>): Promise<void> {
     try {
-      await this.loading.track(what, task())
+      await this.loading.track(`Loading ${what} …`, task)
     } catch (error) {
       this.#refuse(error)
     }

@@ -1,8 +1,7 @@
 import { Demo } from './demo'
-import { DesignPanel } from './design/design-panel'
 import { isEnvironmentName } from './light/environments'
-import { Inspector } from './inspector/inspector'
 import { Dock } from './tools/dock'
+import { tools } from './tools/tools'
 import { keepOffline } from './offline/keep-offline'
 import { follow } from './link/link'
 import { cameraSetting, tiltSetting } from './link/poses'
@@ -12,7 +11,7 @@ import { Actions } from './ui/actions'
 import { divider } from './ui/divider'
 import { byId } from './ui/elements'
 import { Explanation } from './ui/explanation'
-import { showFacts } from './ui/facts'
+import { Facts } from './ui/facts'
 import { Panel } from './ui/panel'
 import { segments } from './ui/segments'
 import { showStatus } from './ui/status'
@@ -85,8 +84,7 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
   const dock = new Dock((error) => {
     demo.banner.show(error)
   })
-  dock.add(new Inspector(demo))
-  dock.add(new DesignPanel(demo))
+  for (const tool of tools(demo)) dock.add(tool)
   const settings = [
     choiceSetting('scene', {
       words: () => Object.keys(SUBJECTS) as SubjectName[],
@@ -98,16 +96,18 @@ async function start(context: WebGL2RenderingContext): Promise<void> {
     cameraSetting(viewer),
   ]
   new Actions(demo, settings)
+  const facts = new Facts(demo)
   const line = divider(demo.comparison)
   demo.onChanged = () => {
     panel.refresh()
     tabs.refresh()
     line.refresh()
+    dock.refresh()
     showStatus(demo)
   }
   viewer.onSettled = () => {
     explanation.refresh()
-    showFacts(demo)
+    facts.refresh()
   }
   await demo.tell(follow(parameters, settings))
   demo.onChanged()

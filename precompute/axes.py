@@ -20,7 +20,7 @@ class Axis(BaseModel):
 
     Attributes:
         name: The parameter's name.
-        symbol: Its symbol in docs/theory.md.
+        symbol: Its symbol in docs/theory.
         unit: Its unit, ``1`` where it has none.
         size: Texels along it.
         mapping: How the parameter runs from `first` to `last` with the position x in [0, 1]:
@@ -65,5 +65,5 @@ class Axis(BaseModel):
         return np.clip(x, 0, 1) * (self.size - 1)
 
     def parameters(self) -> Array:
-        """The parameters at all texels' centres, shape (size,)."""
+        """The parameters at all texels' centres, in the axis' unit, shape (size,)."""
         return self.parameter_from_texel(np.arange(self.size))

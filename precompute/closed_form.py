@@ -94,7 +94,9 @@ class ClosedForm:
         return result
 
     def blur(self, wi: Array, w: Array) -> Array:
-        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source, shape (3, n).
+        """Covariance (uu, vv, uv) of a lobe from tilted normals and the source.
+
+        No unit, shape (3, n).
 
         Args:
             wi: ω_i, shape (n, 3), above the horizon.
@@ -120,7 +122,7 @@ class ClosedForm:
         return np.sqrt(self.window + WAVENUMBER_MAX**2 * widest)
 
     def order_depth(self, wi: Array, wo: Array, offset: Array | float) -> Array:
-        """w of an order at offset = mλ/a, shape (n,).
+        """w of an order at offset = mλ/a, no unit, shape (n,).
 
         Args:
             wi: ω_i, shape (n, 3), above the horizon.
@@ -143,7 +145,7 @@ class ClosedForm:
         middle = g * (c_vv * u - c_uv * v) / adjugate
         exponent = 0.5 * g**2 * v**2 / adjugate
         density = q * np.exp(-exponent) / np.sqrt(2 * np.pi * determinant)
-        # A blurred lobe is a Gaussian in wavelength: docs/theory.md, section 4.
+        # A blurred lobe is a Gaussian in wavelength: docs/theory/lights.md.
         skew = (1 - self.window / c_uu) * q**2 / np.maximum(middle**2, 0.25)
         middle, q = middle * (1 + skew), q * (1 + 4 * skew)
         position = lobe_position(middle, q)
@@ -240,7 +242,7 @@ def _squared_cosine(direction: Array, offset: Array | float) -> Array:
 
 
 def above_horizon(squared_cosine: Array, deviation: Array) -> Array:
-    """The part of a lobe above the horizon, at most 0.002 more than Φ((1 − r)/c) and never less.
+    """The share of a lobe above the horizon, at most 0.002 more than Φ((1 − r)/c) and never less.
 
     Args:
         squared_cosine: 1 − r², no unit, of the lobe's middle, below 0 where that is under the

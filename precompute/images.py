@@ -72,7 +72,7 @@ def decode_png(file: Path, data: bytes, shape: tuple[int, ...]) -> NDArray[np.ui
 
 
 def read_exr(file: Path) -> NDArray[np.float32]:
-    """A half or float EXR as float32, shape (height, width, channels).
+    """A half or float EXR as float32, in the file's unit, shape (height, width, channels).
 
     Channels come in the order R, G, B, A where there are such, else by name.
 

@@ -1,4 +1,4 @@
-"""Lobe tables: the colour of a diffraction lobe in closed form (docs/theory.md, section 4).
+"""Lobe tables: the colour of a diffraction lobe in closed form (docs/theory/lights.md).
 
 For a light that is not an environment, the integral over wavelength of one order's lobe is a
 Gaussian average of the spectrum over wavenumber s = 1/λ, about s* with standard deviation q:
@@ -164,7 +164,7 @@ def metals_map(recipe: MetalsRecipe) -> Map:
 
 
 def lobe_position(wavenumber: Array, width: Array) -> Array:
-    """x of T's axis for a lobe at s* of width q; outside [0, 1] the lobe is invisible.
+    """x of T's axis, no unit, for a lobe at s* of width q; outside [0, 1] the lobe is invisible.
 
     Args:
         wavenumber: s*, 1/µm, any shape.
@@ -175,7 +175,7 @@ def lobe_position(wavenumber: Array, width: Array) -> Array:
 
 
 def lobe_wavenumber(position: Array, width: Array) -> Array:
-    """The inverse of `lobe_position`.
+    """s*, 1/µm: the inverse of `lobe_position`.
 
     Args:
         position: x, no unit, any shape.

@@ -45,7 +45,7 @@ def delta_e2000(found_rgb: Array, reference_rgb: Array) -> Array:
         reference_rgb: Likewise.
 
     Returns:
-        One number for each pixel whose reference is not dark, shape (lit,).
+        No unit, one number for each pixel whose reference is not dark, shape (lit,).
     """
     lit = reference_rgb @ colour.RGB_COLOURSPACES["sRGB"].matrix_RGB_to_XYZ[1] > DARK
     pictures = [np.clip(rgb[lit], 0, 1) for rgb in (found_rgb, reference_rgb)]
@@ -57,7 +57,10 @@ def delta_e2000(found_rgb: Array, reference_rgb: Array) -> Array:
 
 
 def flip_mean(found_rgb: Array, reference_rgb: Array) -> float:
-    """Mean of the FLIP difference (Andersson et al. 2020) of exposed linear pictures (h, w, 3)."""
+    """Mean of the FLIP difference (Andersson et al. 2020) of exposed linear pictures (h, w, 3).
+
+    No unit, 0 to 1.
+    """
     pictures = [
         colour.cctf_encoding(np.clip(rgb, 0, 1), function="sRGB").astype(np.float32)
         for rgb in (reference_rgb, found_rgb)

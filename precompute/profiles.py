@@ -32,7 +32,7 @@ class Sinusoidal(_Profile):
     kind: Literal["sinusoidal"] = "sinusoidal"
 
     def height(self, position: ArrayLike) -> Array:
-        """p at positions over the period, from 0 to 1.
+        """p, a share of the height, at positions over the period.
 
         Args:
             position: ξ, no unit, any shape.
@@ -40,7 +40,7 @@ class Sinusoidal(_Profile):
         return (1 + np.cos(2 * np.pi * np.asarray(position))) / 2
 
     def amplitude(self, order: int, phase: ArrayLike) -> ComplexArray:
-        """The amplitude c_m(φ) of an order.
+        """The amplitude c_m(φ) of an order, no unit.
 
         Args:
             order: m, an order.
@@ -57,7 +57,7 @@ class Rectangular(_Profile):
     duty: Annotated[float, Field(gt=0, lt=1)] = 0.5
 
     def height(self, position: ArrayLike) -> Array:
-        """p at positions over the period, from 0 to 1.
+        """p, a share of the height, at positions over the period.
 
         Args:
             position: ξ, no unit, any shape.
@@ -65,7 +65,7 @@ class Rectangular(_Profile):
         return np.where(np.mod(position, 1) < self.duty, 1.0, 0.0)
 
     def amplitude(self, order: int, phase: ArrayLike) -> ComplexArray:
-        """The amplitude c_m(φ) of an order.
+        """The amplitude c_m(φ) of an order, no unit.
 
         Args:
             order: m, an order.
@@ -81,7 +81,7 @@ class _PiecewiseLinear(_Profile):
     """A profile of straight segments, each of which has its integral in closed form."""
 
     def corners(self) -> tuple[Array, Array]:
-        """Positions (0 to 1, rising) and heights at the segments' ends."""
+        """Positions, rising, and heights at the segments' ends: shares of the period and of h0."""
         raise NotImplementedError
 
     def height(self, position: ArrayLike) -> Array:
@@ -138,7 +138,7 @@ class HeightProfile(Protocol):
     """What a table needs of a profile: its height, no closed form."""
 
     def height(self, position: ArrayLike) -> Array:
-        """p at positions over the period, from 0 to 1.
+        """p, a share of the height, at positions over the period.
 
         Args:
             position: ξ, no unit, any shape.
@@ -155,7 +155,7 @@ def efficiency(profile: Profile, order: int, phase: ArrayLike) -> Array:
         phase: φ = 2π w h0/λ, rad, any shape.
 
     Returns:
-        The shape of `phase`, in [0, 1].
+        A share of the light, of the shape of `phase`.
 
     >>> blazed = Blazed()
     >>> bool(np.isclose(efficiency(blazed, -2, 4 * np.pi), 1))  # all light in one order
@@ -176,7 +176,7 @@ def efficiency_table(
         samples: Samples along a period, at the middles of their cells.
 
     Returns:
-        Shape (2·max_order + 1, n), row m + max_order.
+        Shares of the light, shape (2·max_order + 1, n), row m + max_order.
 
     >>> table = efficiency_table(Triangular(), [0.0, 2.0], 3)
     >>> bool(np.allclose(table[:, 0], [0, 0, 0, 1, 0, 0, 0]))

@@ -1,7 +1,7 @@
 """The reference: diffraction by gratings evaluated directly, in float64, at every nanometre.
 
 No table, no closed form over wavelength, nothing that the shipped path computes. Directions are
-unit vectors (t, b, n) away from the surface, arrays of shape (..., 3). docs/theory.md derives the
+unit vectors (t, b, n) away from the surface, arrays of shape (..., 3). docs/theory derives the
 formulas.
 """
 
@@ -103,7 +103,7 @@ def propagating_efficiency(grating: Grating, direction: Array, wavelength: Array
         wavelength: λ, µm, broadcast against the leading shape.
 
     Returns:
-        N, the leading shape; near 1 where few orders are cut off.
+        N, a share, of the leading shape; near 1 where few orders are cut off.
     """
     λ = np.asarray(wavelength, dtype=np.float64)
     shape = np.broadcast_shapes(direction.shape[:-1], λ.shape)
@@ -133,7 +133,7 @@ def efficiency_above_horizon(grating: Grating, direction: Array, wavelength: Arr
         wavelength: λ, µm, broadcast against the leading shape.
 
     Returns:
-        N, the leading shape.
+        N, a share, of the leading shape.
     """
     λ = np.asarray(wavelength, dtype=np.float64)
     shape = np.broadcast_shapes(direction.shape[:-1], λ.shape)
@@ -173,7 +173,7 @@ def energy_factor(
         total: N, a share, of plane waves or of lobes (`efficiency_above_horizon`).
 
     Returns:
-        The broadcast leading shape.
+        The factor, of the broadcast leading shape.
     """
     if grating.energy == "kirchhoff":
         w = wi[..., 2] + wo[..., 2]
@@ -187,7 +187,7 @@ def energy_factor(
 
 
 def reflectance(grating: Grating, wavelength: ArrayLike) -> Array:
-    """R(λ) of the grating's metal, 1 for a perfect mirror.
+    """R(λ) of the grating's metal, a share of the light, 1 for a perfect mirror.
 
     Args:
         grating: The grating.
@@ -210,7 +210,7 @@ def order_efficiency(
         wavelength: λ, µm.
 
     Returns:
-        The scalar efficiency η_m(φ), and e_m with the metal and the energy choice.
+        The scalar efficiency η_m(φ), a share, and e_m, with the metal and the energy choice.
     """
     wo = order_direction(wi, order, wavelength, grating.period)
     φ = 2 * np.pi * (wi[2] + wo[2]) * grating.height / wavelength
@@ -294,7 +294,7 @@ def weighted_brdf(
         step: Every so-many-th wavelength is evaluated.
 
     Returns:
-        Shape (n, channels).
+        1/sr times the unit of W dλ, shape (n, channels).
     """
     result = np.zeros((len(wi), weights.shape[1]))
     lit = np.arange(0, len(WAVELENGTHS), step)

@@ -48,7 +48,7 @@ def colour_matching_functions(observer: Observer = "1931-2") -> Array:
         observer: ``1931-2`` or ``2015-2``. The 2015 data start at 390 nm; below it is zero.
 
     Returns:
-        Shape (401, 3), dimensionless.
+        Shape (401, 3), no unit.
 
     Raises:
         InputError: The observer is unknown.
@@ -102,7 +102,7 @@ def tint_basis() -> Array:
     A tint (r, g, b) has the spectrum r·ρ_r + g·ρ_g + b·ρ_b; white is 1 at every wavelength.
 
     Returns:
-        Shape (401, 3), dimensionless.
+        Shape (401, 3), no unit.
 
     >>> bool(np.allclose(tint_basis().sum(axis=1), 1, atol=2e-5))
     True
@@ -121,7 +121,7 @@ def metal_reflectance(metal: Metal, wavelength: ArrayLike = WAVELENGTHS) -> Arra
         wavelength: µm, 0.37 to 0.79.
 
     Returns:
-        The shape of `wavelength`, in [0, 1].
+        A share of the light, of the shape of `wavelength`.
 
     Raises:
         InputError: The metal is unknown.
@@ -144,7 +144,7 @@ def refractive_index(metal: IndexedMetal, wavelength: ArrayLike) -> NDArray[np.c
         wavelength: µm, 0.38 to 0.78.
 
     Returns:
-        The shape of `wavelength`.
+        No unit, of the shape of `wavelength`.
 
     >>> print(f"{complex(refractive_index('iron', 0.549)):.2f}")
     2.95+2.93j
@@ -201,7 +201,7 @@ def spectral_columns(file: Path, names: Sequence[str]) -> Array:
         names: Columns to read; none may be negative.
 
     Returns:
-        Shape (401, len(names)).
+        In the file's unit, shape (401, len(names)).
 
     Raises:
         InputError: The file cannot be read, a column is missing or holds what it may not.

@@ -53,7 +53,7 @@ class WavelengthLoop(ClosedForm):
         return result
 
     def efficiency(self, m: int, w: Array, wavenumber: Array) -> Array:
-        """η_m, by the table or by docs/theory.md, section 3: β = φ/2.
+        """η_m, a share, by the table or by docs/theory/profiles.md: β = φ/2.
 
         Args:
             m: The order.

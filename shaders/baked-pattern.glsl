@@ -1,4 +1,4 @@
-// The pattern of a relief baked over (u, v) and w, with roughness and light size in it (docs/theory.md, section 7):
+// The pattern of a relief baked over (u, v) and w, with roughness and light size in it (docs/theory/height-fields.md):
 // I(u, v, w) = Σ_r ψ_r(w) B_r(u, v) in XYZ, and order 0, which turns with the light, from a table of its own.
 
 uniform highp sampler2DArray uModes;    // B_r as coefficients of splines: three layers a group of four modes

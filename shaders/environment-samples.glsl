@@ -1,4 +1,4 @@
-// A relief's lines at all wavelengths as a list of samples: radiance from the environment (docs/theory.md, section 7). A
+// A relief's lines at all wavelengths as a list of samples: radiance from the environment (docs/theory/height-fields.md). A
 // sample is looked up once, where its middle sends the light, with a blur as wide as it.
 // Needs environmentRadiance().
 

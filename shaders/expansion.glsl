@@ -1,5 +1,5 @@
 // Lines of a repeating relief's spectrum: exp(i k w h) as a series Σ_n c_n(x) i^n B_n(h), of Chebyshev polynomials with
-// Bessel coefficients (Jacobi–Anger) or of powers (Taylor). Which it is, the tables know (docs/theory.md, section 7).
+// Bessel coefficients (Jacobi–Anger) or of powers (Taylor). Which it is, the tables know (docs/theory/height-fields.md).
 
 uniform highp sampler2DArray uTerms;            // i^n F{B_n}: even n (re, im), odd n (re, im); line x ≥ 0, line y, pair of terms
 uniform highp sampler2D uTermCoefficients;      // c_n, its step to the next x, for even n, then for odd n; x along x, pair along y

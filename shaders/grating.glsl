@@ -1,4 +1,4 @@
-// Diffraction by a grating: radiance from one light and from the environment (docs/theory.md, sections 4 and 6).
+// Diffraction by a grating: radiance from one light and from the environment (docs/theory/lights.md and environments.md).
 // Needs a SurfacePoint and LightSpectrum, and environmentRadiance() where ENVIRONMENT is defined.
 #include "lobe.glsl"
 #include "spectrum.glsl"
@@ -167,7 +167,7 @@ vec3 gratingRadianceFromLight(SurfacePoint p, vec3 wi, vec3 wo, LightSpectrum li
 #ifdef BLURRED_LAYERS
 // Radiance (linear sRGB) of an order that tilts of deviation δ move by w δ on all sides in the plane: as an angle that is as
 // much across, and 1/cosθ of it along the radius. What is more than a round blur is to move outwards or inwards; of many
-// readings half do the one, half the other (docs/theory.md, section 6). plane: the direction's part in the surface, up: the
+// readings half do the one, half the other (docs/theory/environments.md). plane: the direction's part in the surface, up: the
 // normal, both in the environment's axes; squared: |plane|²; move: ± w δ; spread: of the reading itself, a variance, rad².
 vec3 tiltedRadiance(vec3 plane, vec3 up, float squared, float move, float spread) {
 	// Held at the horizon.

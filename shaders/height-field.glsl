@@ -1,4 +1,4 @@
-// Diffraction by a relief that repeats: radiance from one light and from the environment (docs/theory.md, section 7).
+// Diffraction by a relief that repeats: radiance from one light and from the environment (docs/theory/height-fields.md).
 // Needs a SurfacePoint and LightSpectrum, and environmentRadiance() where ENVIRONMENT is defined.
 #include "lobe.glsl"
 #include "fresnel.glsl"

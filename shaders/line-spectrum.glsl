@@ -138,7 +138,7 @@ vec3 sumOverNodes(vec3 blur, vec3 uvw, vec3 tint) {
 
 #ifdef LINE_SUM
 // The same without a loop over wavelengths: each line is a grating of its own, whose lobe over wavenumber is a Gaussian
-// (docs/theory.md, section 4). Visits the lines along s(u, v), s over the visible range.
+// (docs/theory/lights.md). Visits the lines along s(u, v), s over the visible range.
 // rho: |(u, v)|, above 0; spread: the largest deviation of a lobe in spatial frequency, 1/µm.
 vec3 sumOverLines(vec3 blur, vec3 uvw, vec3 tint, float rho, float spread) {
 	vec3 xyz = vec3(0.0);

@@ -1,5 +1,5 @@
 // The shape of a diffraction lobe: a Gaussian whose width comes from the coherence window, from roughness and from the
-// light's size (docs/theory.md, section 2). Directions are in the surface's frame, spatial frequencies in 1/µm.
+// light's size (docs/theory/gratings.md). Directions are in the surface's frame, spatial frequencies in 1/µm.
 
 uniform float uWindowVariance;  // 1/(8π²σ²), variance of the coherence window's lobe in spatial frequency, 1/µm²
 #ifdef ROUGH

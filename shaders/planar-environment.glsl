@@ -1,4 +1,4 @@
-// Environment light on a flat surface: one table a grating, over the direction to the viewer (docs/theory.md, section 6).
+// Environment light on a flat surface: one table a grating, over the direction to the viewer (docs/theory/environments.md).
 // PLANAR_TEXELS: along a side of a table.
 #ifdef PLANAR_TEXELS
 #include "planar-directions.glsl"

@@ -1,4 +1,4 @@
-// Which orders leave the surface, and how their efficiencies are normalised (docs/theory.md, section 2).
+// Which orders leave the surface, and how their efficiencies are normalised (docs/theory/gratings.md).
 // Directions are in the grating's frame: x across the grooves, y along them, z the normal.
 #include "efficiency.glsl"
 #include "kirchhoff.glsl"

@@ -4,6 +4,7 @@ import type { Subject } from '../subjects/subject'
 import { WHOLE } from '../view/pane'
 import type { Viewer } from '../view/viewer'
 import { follow, otherMaterial, otherMethod } from './other-material'
+import type { Way } from './draw-radiance'
 import { pictureDifference } from './picture-difference'
 
 /** The object on show as its own method draws it, to the left of a line, and as another method does, to the right. */
@@ -49,14 +50,22 @@ export class Comparison {
 
   /** The relative root mean square difference of both methods' radiance on the object, as it is seen now. */
   difference(): number | null {
+    const [own, other] = this.ways
+    return own === undefined || other === undefined
+      ? null
+      : pictureDifference(this.viewer, [own, other])
+  }
+
+  /** The ways in which the object is drawn: its own, and that on the right where there is one. */
+  get ways(): readonly Way[] {
     const [subject, other] = [this.#subject, this.#other]
-    if (subject === null || other === null) return null
-    return pictureDifference(this.viewer, [
+    if (subject === null || other === null) return [WHOLE.draw]
+    return [
       WHOLE.draw,
       (render) => {
         wearing(subject.object, subject.material, other, render)
       },
-    ])
+    ]
   }
 
   #split(): void {

@@ -1,6 +1,6 @@
 import { FloatType, WebGLRenderTarget } from 'three'
-import { MARKER_LAYER } from '../light/flash'
 import type { Viewer } from '../view/viewer'
+import { drawRadiance, type Way } from './draw-radiance'
 
 /** Pixels of the pictures' width: a small picture is drawn quickly, and shows all of the object. */
 const WIDTH = 240
@@ -10,10 +10,7 @@ const WIDTH = 240
  * the second from the first, over the root mean square of the second, over all pixels that the object covers. null
  * where the device draws in no floats or nothing is covered.
  */
-export function pictureDifference(
-  viewer: Viewer,
-  ways: readonly [(render: () => void) => void, (render: () => void) => void],
-): number | null {
+export function pictureDifference(viewer: Viewer, ways: readonly [Way, Way]): number | null {
   if (!viewer.renderer.extensions.has('EXT_color_buffer_float')) return null
   const [first, second] = ways.map((way) => radianceOf(viewer, way))
   let [off, all] = [0, 0]
@@ -27,31 +24,15 @@ export function pictureDifference(
 }
 
 /** Radiance and coverage, four numbers a pixel. */
-function radianceOf(
-  { renderer, scene, camera }: Viewer,
-  way: (render: () => void) => void,
-): Float32Array {
-  const height = Math.max(Math.round(WIDTH / camera.aspect), 1)
+function radianceOf(viewer: Viewer, way: Way): Float32Array {
+  const height = Math.max(Math.round(WIDTH / viewer.camera.aspect), 1)
   const target = new WebGLRenderTarget(WIDTH, height, { type: FloatType })
-  const { background } = scene
-  const clearAlpha = renderer.getClearAlpha()
-  scene.background = null
-  camera.layers.disable(MARKER_LAYER)
-  renderer.setClearAlpha(0)
-  renderer.setRenderTarget(target)
   try {
-    way(() => {
-      renderer.clear()
-      renderer.render(scene, camera)
-    })
+    drawRadiance(viewer, target, way)
     const pixels = new Float32Array(4 * WIDTH * height)
-    renderer.readRenderTargetPixels(target, 0, 0, WIDTH, height, pixels)
+    viewer.renderer.readRenderTargetPixels(target, 0, 0, WIDTH, height, pixels)
     return pixels
   } finally {
-    renderer.setRenderTarget(null)
-    renderer.setClearAlpha(clearAlpha)
-    scene.background = background
-    camera.layers.enable(MARKER_LAYER)
     target.dispose()
   }
 }

@@ -1,17 +1,11 @@
 import { DiffractionError } from '../../web'
-import { within } from '../../web/validation'
 import { make, uniqueId } from '../ui/elements'
+import { readNumber, readWord, refusal, type NumberRange, type Texts } from './values'
 
-const OWNER = 'design'
-
-export interface NumberFieldOptions {
+export interface NumberFieldOptions extends NumberRange {
   /** As in the recipe, and in errors. */
   name: string
   label: string
-  unit: string
-  min: number
-  max: number
-  isWhole?: boolean
   value: number
 }
 
@@ -37,6 +31,14 @@ abstract class Field<T> {
     const box = make('span', 'box', input, ...(unit === '' ? [] : [make('span', 'unit', unit)]))
     this.element.append(text, box, this.#error)
     input.addEventListener('input', onChange)
+  }
+
+  get text(): string {
+    return this.input.value
+  }
+
+  set text(text: string) {
+    this.input.value = text
   }
 
   /** Throws a DiffractionError where it cannot be used. */
@@ -65,17 +67,7 @@ export class NumberField extends Field<number> {
   }
 
   read(): number {
-    const { name, min, max, unit, isWhole } = this.#options
-    const text = this.input.value.trim().replace(',', '.')
-    const value = text === '' ? NaN : Number(text)
-    within(OWNER, name, value, min, max, unit)
-    if (isWhole && !Number.isInteger(value))
-      throw refusal(name, value, `a whole number from ${min} to ${max}`)
-    return value
-  }
-
-  set value(value: number) {
-    this.input.value = String(value)
+    return readNumber(this.name, this.text, this.#options)
   }
 }
 
@@ -97,7 +89,7 @@ export class ChoiceField<T extends string> extends Field<T> {
   }
 
   read(): T {
-    return Object.keys(this.#options).find((value) => value === this.input.value) as T
+    return readWord(this.name, this.text, this.#options)
   }
 }
 
@@ -116,7 +108,7 @@ export class TextField extends Field<string> {
   }
 
   read(): string {
-    const value = this.input.value.trim()
+    const value = this.text.trim()
     if (this.pattern.test(value)) return value
     throw refusal(this.name, value, this.expected)
   }
@@ -124,17 +116,12 @@ export class TextField extends Field<string> {
 
 export type AnyField = NumberField | ChoiceField<string> | TextField
 
-/** The error of a form's field. */
-export function refusal(field: string, value: unknown, expected: string): DiffractionError {
-  return new DiffractionError({ file: OWNER, field, value, expected })
-}
-
 /**
  * What a form makes of its fields; each that is refused says so, and then there is nothing.
  *
- * @param read - reads the fields, and throws a DiffractionError that names one
+ * @param read - of their texts by name; throws a DiffractionError that names one
  */
-export function readForm<T>(fields: readonly AnyField[], read: () => T): T | null {
+export function readForm<T>(fields: readonly AnyField[], read: (texts: Texts) => T): T | null {
   let isGood = true
   for (const field of fields) {
     try {
@@ -147,11 +134,16 @@ export function readForm<T>(fields: readonly AnyField[], read: () => T): T | nul
   }
   if (!isGood) return null
   try {
-    return read()
+    return read(Object.fromEntries(fields.map(({ name, text }) => [name, text])))
   } catch (error) {
     showRefusal(fields, error)
     return null
   }
+}
+
+/** Writes texts into the fields of their names. */
+export function fillForm(fields: readonly AnyField[], texts: Texts): void {
+  for (const field of fields) field.text = texts[field.name] ?? field.text
 }
 
 /** Says an error beside its field; throws it again where it is no field's. */

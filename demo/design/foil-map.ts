@@ -9,8 +9,8 @@ import {
   type MapArray,
 } from '../../web/maps/load'
 import { MAP_FORMAT, MAP_VERSION, readSidecar, type ArraySpec } from '../../web/maps/sidecar'
-import type { Steps } from '../../web/steps'
 import { roundHalfEven } from '../numbers/round-half-even'
+import type { Work } from './work'
 
 /** A foil's texels: cos 2θ, sin 2θ, 1/a (1/µm) and strength of each, rows from the top. */
 export interface FoilTexels {
@@ -40,14 +40,14 @@ export interface MadeFoil {
 const CHANNELS = ['cos 2theta', 'sin 2theta', 'spatial frequency', 'strength']
 
 /** The texels of a foil's map in double precision, as `precompute.maps` decodes them, row by row. */
-export function* texelsOf(map: LoadedMap): Steps<FoilTexels> {
+export function* texelsOf(map: LoadedMap): Work<FoilTexels> {
   const array = arrayOf(map, 'grating')
   const { spec, data } = array
   const [rows, columns] = spec.shape as [number, number]
   const values = new Float64Array(data.length)
   const stride = 4 * columns
   for (let at = 0; at < data.length; at += stride) {
-    yield
+    yield at / data.length
     const row = data.subarray(at, at + stride)
     if (spec.decode === null) {
       values.set(valuesOf({ spec, data: row }), at)
@@ -63,6 +63,8 @@ export function* texelsOf(map: LoadedMap): Steps<FoilTexels> {
 
 /** Texels in 8 bits a channel, and what is said of them: `precompute.foils.foil_map.map_of_texels`. */
 export interface StoredFoil {
+  rows: number
+  columns: number
   bytes: Uint8Array
   decode: [number, number][]
   minFrequency: number
@@ -72,11 +74,11 @@ export interface StoredFoil {
 }
 
 /** Row by row. Throws a DiffractionError where nothing diffracts. */
-export function* stored({ rows, columns, values }: FoilTexels): Steps<StoredFoil> {
+export function* stored({ rows, columns, values }: FoilTexels): Work<StoredFoil> {
   const [bytes, count] = [new Uint8Array(values.length), 4 * columns]
   let [top, least, most] = [0, Infinity, 0]
   for (let i = 2; i < values.length; i += 4) {
-    if (i % count === 2) yield
+    if (i % count === 2) yield (0.2 * i) / values.length
     const frequency = values[i]!
     top = Math.max(top, frequency)
     if (values[i + 1]! <= 0) continue
@@ -98,6 +100,7 @@ export function* stored({ rows, columns, values }: FoilTexels): Steps<StoredFoil
   ]
   let [off, total] = [0, 0]
   for (let row = 0; row < rows; row++) {
+    yield 0.2 + (0.8 * row) / rows
     for (let i = row * count; i < (row + 1) * count; i++) {
       const [offset, scale] = decode[i % 4]!
       const value = values[i]!
@@ -106,9 +109,9 @@ export function* stored({ rows, columns, values }: FoilTexels): Steps<StoredFoil
       off += (offset + (scale * texel) / 255 - value) ** 2
       total += value ** 2
     }
-    yield
   }
-  return { bytes, decode, minFrequency: least, maxFrequency: most, error: Math.sqrt(off / total) }
+  const error = Math.sqrt(off / total)
+  return { rows, columns, bytes, decode, minFrequency: least, maxFrequency: most, error }
 }
 
 /**
@@ -118,10 +121,10 @@ export function* stored({ rows, columns, values }: FoilTexels): Steps<StoredFoil
  */
 export async function madeFoil(
   name: string,
-  { rows, columns }: FoilTexels,
   foil: StoredFoil,
   { height, tile, recipe, others = {} }: FoilFacts,
 ): Promise<MadeFoil> {
+  const { rows, columns } = foil
   const files: MadeFoil['files'] = {}
   const arrays: Record<string, object> = {}
   const grating: ArraySpec = {

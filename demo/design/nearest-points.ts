@@ -1,26 +1,28 @@
-import type { Steps } from '../../web/steps'
+import type { Work } from './work'
 
 /** Points in a cell of the grid by which they are found, about. */
 const PER_CELL = 2
+/** Points that are sorted before work may be left. */
+const AT_ONCE = 4096
 
 /**
  * Which of some points is nearest to each texel's centre, on a tile whose opposite sides are one.
  *
- * @param points - x to the right and y up, 0 to 1; one or more
+ * @param points - x to the right and y up, 0 to 1, of one after the other; one or more
  * @returns indices, rows from the top
  */
-export function* nearestPoints(
-  points: readonly (readonly [number, number])[],
-  size: number,
-): Steps<Int32Array> {
-  const cells = Math.max(Math.floor(Math.sqrt(points.length / PER_CELL)), 1)
+export function* nearestPoints(points: Float64Array, size: number): Work<Int32Array> {
+  const count = points.length / 2
+  const cells = Math.max(Math.floor(Math.sqrt(count / PER_CELL)), 1)
   const grid: number[][] = Array.from({ length: cells * cells }, () => [])
-  points.forEach(([x, y], i) => {
+  for (let i = 0; i < count; i++) {
+    if (i % AT_ONCE === 0) yield 0
+    const [x, y] = [points[2 * i]!, points[2 * i + 1]!]
     grid[Math.floor(y * cells) * cells + Math.floor(x * cells)]!.push(i)
-  })
+  }
   const nearest = new Int32Array(size * size)
   for (let row = 0; row < size; row++) {
-    yield
+    yield row / size
     const y = (size - 1 - row + 0.5) / size
     for (let column = 0; column < size; column++) {
       const x = (column + 0.5) / size
@@ -35,8 +37,7 @@ export function* nearestPoints(
     const look = (dx: number, dy: number): void => {
       const cell = ((cy + dy + cells) % cells) * cells + ((cx + dx + cells) % cells)
       for (const i of grid[cell]!) {
-        const [px, py] = points[i]!
-        const distance = Math.hypot(wrapped(px - x), wrapped(py - y))
+        const distance = Math.hypot(wrapped(points[2 * i]! - x), wrapped(points[2 * i + 1]! - y))
         if (distance < least) [best, least] = [i, distance]
       }
     }

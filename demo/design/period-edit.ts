@@ -1,6 +1,7 @@
 import type { LoadedMap } from '../../web/maps/load'
-import type { Steps } from '../../web/steps'
 import { factsOf, texelsOf, type FoilFacts, type FoilTexels } from './foil-map'
+import { readNumber, readWord, refusal, type NumberRange, type Texts } from './values'
+import { part, type Work } from './work'
 
 export const BLENDS = { linear: 'Linear', quadratic: 'Quadratic', sin2: 'Sine squared' } as const
 export type Blend = keyof typeof BLENDS
@@ -16,6 +17,29 @@ export interface PeriodEdit {
   bins: number
   /** From first to last bin, t being 0 to 1: t, t² or sin²(πt/2). */
   blend: Blend
+}
+
+/** What the edit's numbers may be, by their names. */
+export const EDIT_RANGES = {
+  shortest: { unit: 'µm', min: 0.4, max: 20 },
+  longest: { unit: 'µm', min: 0.4, max: 20 },
+  bins: { unit: '', min: 2, max: 3600, isWhole: true },
+} as const satisfies Record<string, NumberRange>
+
+/** The edit that texts state; throws a DiffractionError that names the one that cannot be used. */
+export function readEdit(texts: Texts): PeriodEdit {
+  const read = (name: keyof typeof EDIT_RANGES): number =>
+    readNumber(name, texts[name], EDIT_RANGES[name])
+  const [shortest, longest] = [read('shortest'), read('longest')]
+  if (longest < shortest)
+    throw refusal('longest', longest, `the period at 0°, ${shortest} µm, or more`)
+  const blend = readWord('blend', texts['blend'], BLENDS)
+  return { kind: 'period', shortest, longest, bins: read('bins'), blend }
+}
+
+/** The texts that state an edit. */
+export function textsOfEdit({ shortest, longest, bins, blend }: PeriodEdit): Texts {
+  return { shortest: String(shortest), longest: String(longest), bins: String(bins), blend }
 }
 
 const BLENDED: Record<Blend, (share: number) => number> = {
@@ -36,21 +60,24 @@ export function periodAt(
 }
 
 /** A foil with other periods, row by row; what the sidecar tells of it comes from `editedFacts`. */
-export function* withPeriods(map: LoadedMap, edit: PeriodEdit): Steps<FoilTexels> {
-  const texels = yield* texelsOf(map)
+export function* withPeriods(map: LoadedMap, edit: PeriodEdit): Work<FoilTexels> {
+  const texels = yield* part(0, 0.3, texelsOf(map))
   const { values, columns } = texels
   for (let i = 0; i < values.length; i += 4) {
+    if (i % (4 * columns) === 0) yield 0.3 + (0.7 * i) / values.length
     values[i + 2] = 1 / periodAt(edit, Math.atan2(values[i + 1]!, values[i]!) / 2)
-    if (i % (4 * columns) === 0) yield
   }
   return texels
 }
 
-/** What an edited foil keeps, and a recipe that tells the edit after those that the foil has had. */
-export function editedFacts(map: LoadedMap, edit: PeriodEdit): FoilFacts {
+/**
+ * What an edited foil keeps, and a recipe that tells the edit after those that the foil has had.
+ *
+ * @param name - of the foil that is edited
+ */
+export function editedFacts(map: LoadedMap, name: string, edit: PeriodEdit): FoilFacts {
   const { recipe: before } = map.sidecar
   const isEdited = before['design'] === 'edited' && Array.isArray(before['edits'])
-  const name = map.url.slice(map.url.lastIndexOf('/') + 1)
   const profile = before['profile']
   return {
     ...factsOf(map),

@@ -1,8 +1,8 @@
 import { Chart, type ChartAxis } from '../inspector/pictures/chart'
 import { micrometres, number } from '../inspector/pictures/numbers'
 import { make, uniqueId } from '../ui/elements'
-import { ChoiceField, NumberField, readForm, refusal, type AnyField } from './fields'
-import { BLENDS, periodAt, type PeriodEdit } from './period-edit'
+import { ChoiceField, fillForm, NumberField, readForm, type AnyField } from './fields'
+import { BLENDS, EDIT_RANGES, periodAt, readEdit, textsOfEdit, type PeriodEdit } from './period-edit'
 
 /** More steps than there are pixels. */
 const STEPS = 720
@@ -11,35 +11,18 @@ const STEPS = 720
 export class PeriodForm {
   readonly element = make('div', 'form')
   readonly fields: readonly AnyField[]
-  readonly #shortest: NumberField
-  readonly #longest: NumberField
-  readonly #bins: NumberField
-  readonly #blend: ChoiceField<keyof typeof BLENDS>
   readonly #chart = new Chart(150)
   readonly #caption = make('figcaption', '')
 
   constructor(onChange: () => void) {
-    const length = { unit: 'µm', min: 0.4, max: 20 }
-    this.#shortest = new NumberField(
-      { name: 'shortest', label: 'Period at 0°', ...length, value: 1.2 },
-      onChange,
-    )
-    this.#longest = new NumberField(
-      { name: 'longest', label: 'Period towards 180°', ...length, value: 2 },
-      onChange,
-    )
-    this.#bins = new NumberField(
-      {
-        ...{ name: 'bins', label: 'Ranges of orientation', unit: '' },
-        min: 2,
-        max: 3600,
-        isWhole: true,
-        value: 12,
-      },
-      onChange,
-    )
-    this.#blend = new ChoiceField('blend', 'From first to last', BLENDS, onChange)
-    this.fields = [this.#shortest, this.#longest, this.#bins, this.#blend] as AnyField[]
+    const field = (name: keyof typeof EDIT_RANGES, label: string, value: number): NumberField =>
+      new NumberField({ name, label, value, ...EDIT_RANGES[name] }, onChange)
+    this.fields = [
+      field('shortest', 'Period at 0°', 1.2),
+      field('longest', 'Period towards 180°', 2),
+      field('bins', 'Ranges of orientation', 12),
+      new ChoiceField('blend', 'From first to last', BLENDS, onChange),
+    ] as AnyField[]
     this.#caption.id = uniqueId()
     const { element: picture } = this.#chart
     picture.setAttribute('role', 'img')
@@ -53,17 +36,14 @@ export class PeriodForm {
 
   /** The edit, or null where a field is refused. */
   read(): PeriodEdit | null {
-    const edit = readForm(this.fields, () => {
-      const [shortest, longest] = [this.#shortest.read(), this.#longest.read()]
-      if (longest < shortest)
-        throw refusal('longest', longest, `the period at 0°, ${shortest} µm, or more`)
-      return {
-        ...{ kind: 'period' as const, shortest, longest },
-        ...{ bins: this.#bins.read(), blend: this.#blend.read() },
-      }
-    })
+    const edit = readForm(this.fields, readEdit)
     if (edit !== null) this.#draw(edit)
     return edit
+  }
+
+  /** Takes an edit's values over. */
+  fill(edit: PeriodEdit): void {
+    fillForm(this.fields, textsOfEdit(edit))
   }
 
   #draw(edit: PeriodEdit): void {

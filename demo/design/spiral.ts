@@ -1,6 +1,6 @@
 import { normalCdf } from '../numbers/normal-cdf'
-import type { Steps } from '../../web/steps'
 import type { NumpyRandom } from './numpy-random'
+import type { Work } from './work'
 
 const ORIENTATIONS = 90
 const FREQUENCIES = 96
@@ -10,10 +10,10 @@ const REACH = 4
 const ABSCISSAE = 8
 const AT_ONCE = 1024
 
-/** Orientation, rad, and 1/period, 1/µm. */
-export interface DrawnGrating {
-  orientation: number
-  frequency: number
+/** Orientations, rad, and 1/period, 1/µm, of gratings one by one. */
+export interface DrawnGratings {
+  orientation: Float64Array
+  frequency: Float64Array
 }
 
 /**
@@ -48,27 +48,24 @@ export class Spiral {
   }
 
   /** All cells first, then where in them orientations lie, then frequencies: the order in which numpy draws. */
-  *sample(random: NumpyRandom, count: number): Steps<DrawnGrating[]> {
+  *sample(random: NumpyRandom, count: number): Work<DrawnGratings> {
     const cells = new Int32Array(count)
-    const across = new Float64Array(count)
-    const gratings: DrawnGrating[] = []
+    const orientation = new Float64Array(count)
+    const frequency = new Float64Array(count)
     for (let i = 0; i < count; i++) {
-      if (i % AT_ONCE === 0) yield
+      if (i % AT_ONCE === 0) yield i / (3 * count)
       cells[i] = this.#cellOf(random.next())
     }
     for (let i = 0; i < count; i++) {
-      if (i % AT_ONCE === 0) yield
-      across[i] = random.next()
+      if (i % AT_ONCE === 0) yield (count + i) / (3 * count)
+      const row = Math.floor(cells[i]! / FREQUENCIES)
+      orientation[i] = within(this.#orientations, row, random.next())
     }
     for (let i = 0; i < count; i++) {
-      if (i % AT_ONCE === 0) yield
-      const row = Math.floor(cells[i]! / FREQUENCIES)
-      gratings.push({
-        orientation: within(this.#orientations, row, across[i]!),
-        frequency: within(this.#frequencies, cells[i]! % FREQUENCIES, random.next()),
-      })
+      if (i % AT_ONCE === 0) yield (2 * count + i) / (3 * count)
+      frequency[i] = within(this.#frequencies, cells[i]! % FREQUENCIES, random.next())
     }
-    return gratings
+    return { orientation, frequency }
   }
 
   /** The first cell up to which the sum is above a share. */

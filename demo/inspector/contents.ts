@@ -7,7 +7,6 @@ import { byId, make } from '../ui/elements'
 import '../style/plots.css'
 import '../style/inspector.css'
 import { Crosshair } from './crosshair'
-import { EnvironmentLight } from './optics/environment-light'
 import { spectralColours } from './optics/display'
 import type { Colour } from './optics/light-spectrum'
 import { frameOf, pickAt, pointAtUv, type PickedPoint } from './picked-point'
@@ -18,9 +17,10 @@ import { OrientationMap } from './pictures/orientation-map'
 import { ReliefLines } from './pictures/relief-lines'
 import { Spectra } from './pictures/spectra'
 import { TablePictures } from './pictures/tables'
-import { loadTables, pointOptics, type PointOptics, type SpectralTables } from './point-optics'
+import { loadTables, type SpectralTables } from './point-optics'
 import { environmentRadiance, flashRadiance } from './radiance'
 import { RenderedPixel } from './rendered-pixel'
+import { environmentLight, opticsAt } from './scene-light'
 
 /** While things move the pictures follow as often as this, ms. */
 const INTERVAL = 150
@@ -51,7 +51,6 @@ export class InspectorContents implements ToolContents {
   #tables: SpectralTables | null = null
   #tablesKey = ''
   #colours: readonly Colour[] = []
-  #environment: { key: string; light: EnvironmentLight } | null = null
   /** What the last pictures were made from. */
   #shown = ''
   #shownAt = 0
@@ -128,9 +127,9 @@ export class InspectorContents implements ToolContents {
 
   /** Picture by picture, so that none keeps the page waiting for all. */
   *#draw(point: PickedPoint, tables: SpectralTables): Steps<void> {
-    const optics = this.#optics(point, tables)
+    const optics = opticsAt(this.demo, tables, point)
     const exposure = this.demo.viewer.renderer.toneMappingExposure
-    const light = this.#environmentLight()
+    const light = environmentLight(this.demo)
     this.#facts.show(optics)
     void this.#map.show(optics)
     yield
@@ -163,40 +162,13 @@ export class InspectorContents implements ToolContents {
       1 - (2 * (pixel.row + 0.5)) / height,
     )
     const at = pickAt(middle, camera, subject.object, subject.material) ?? point
-    const optics = this.#optics(at, tables)
+    const optics = opticsAt(this.demo, tables, at)
     const rendered = await this.#pixel.read(pixel)
     if (this.#rendered !== key) return
     const exposure = this.demo.viewer.renderer.toneMappingExposure
-    const light = this.#environmentLight()
+    const light = environmentLight(this.demo)
     const environment = light && environmentRadiance(optics, light)
     this.#spectra.compare(flashRadiance(optics), environment, rendered, exposure)
-  }
-
-  #optics(point: PickedPoint, tables: SpectralTables): PointOptics {
-    const { subject, flash, viewer } = this.demo
-    const eye = viewer.camera.getWorldPosition(new Vector3())
-    return pointOptics(subject, tables, point, frameOf(point, eye), {
-      eye,
-      flash: {
-        position: flash.object.getWorldPosition(new Vector3()),
-        intensity: flash.intensity,
-        angularRadius: flash.angularRadius,
-      },
-    })
-  }
-
-  #environmentLight(): EnvironmentLight | null {
-    const { scene } = this.demo.viewer
-    const { loaded } = this.demo.surroundings
-    if (loaded === null) return null
-    const { environmentRotation, environmentIntensity } = scene
-    const key = `${loaded.texture.uuid} ${environmentRotation.toArray().join()} ${environmentIntensity}`
-    if (this.#environment?.key !== key)
-      this.#environment = {
-        key,
-        light: new EnvironmentLight(loaded.texture, environmentRotation, environmentIntensity),
-      }
-    return this.#environment.light
   }
 
   async #loadTables(): Promise<void> {

@@ -36,7 +36,7 @@ export interface PointFrame {
 }
 
 /**
- * What of the material lies under a place of the view.
+ * What of the material is seen at a place of the view; null where it is not, or lies behind another part of the object.
  *
  * @param place - from −1 to 1 across and up
  */
@@ -48,10 +48,9 @@ export function pickAt(
 ): PickedPoint | null {
   const caster = new Raycaster()
   caster.setFromCamera(place, camera)
-  const hit = caster
-    .intersectObject(object, true)
-    .find((hit) => hit.object instanceof Mesh && hit.object.material === material && hit.uv)
-  return hit === undefined ? null : pickedPoint(hit)
+  const hit = caster.intersectObject(object, true)[0]
+  if (!(hit?.object instanceof Mesh) || hit.object.material !== material) return null
+  return pickedPoint(hit)
 }
 
 function pickedPoint({ object, face, point, uv, instanceId }: Intersection): PickedPoint {

@@ -34,31 +34,63 @@ export interface SpectralTables {
   relief: Relief | null
 }
 
-/** Loads the tables that a material reads; those that it has loaded already are shared with it. */
-export async function loadTables({ surface, material }: Subject): Promise<SpectralTables> {
+/** Addresses of the tables; null for those that a surface has none of. */
+interface Addresses {
+  lobes: string
+  /** Of the same observer and illuminant A; null where that is the illuminant. */
+  a: string | null
+  metals: string
+  profile: string | null
+  relief: string | null
+}
+
+let last: { key: string; tables: Promise<SpectralTables> } | null = null
+
+/** Loads the tables that a material reads; those that it has loaded already are shared with it, the last are kept. */
+export function loadTables(subject: Subject): Promise<SpectralTables> {
+  const addresses = addressesOf(subject)
+  const key = JSON.stringify(addresses)
+  if (last?.key !== key) {
+    const tables = load(addresses)
+    const own = (last = { key, tables })
+    // What failed may be tried again.
+    tables.catch(() => {
+      if (last === own) last = null
+    })
+  }
+  return last.tables
+}
+
+function addressesOf({ surface, material }: Subject): Addresses {
   const { mapsPath, illuminant, observer } = material
-  const urls = spectrumUrls(material, mapsPath)
-  const heightField =
-    surface instanceof HeightField
+  const { lobes, metals } = spectrumUrls(material, mapsPath)
+  const isRelief = surface instanceof HeightField
+  return {
+    ...{ lobes, metals },
+    a: illuminant === 'A' ? null : `${mapsPath}lobes-${observer}-A`,
+    profile: isRelief ? null : profileUrl('inspector', surface.profile, mapsPath),
+    relief: isRelief
       ? `${surface.field.includes('/') ? '' : `${mapsPath}height-field-`}${surface.field}-jacobi-anger`
-      : null
-  const profile =
-    surface instanceof HeightField ? null : profileUrl('inspector', surface.profile, mapsPath)
-  const load = (url: string | null): Promise<LoadedMap | null> =>
+      : null,
+  }
+}
+
+async function load(addresses: Addresses): Promise<SpectralTables> {
+  const map = (url: string | null): Promise<LoadedMap | null> =>
     url === null ? Promise.resolve(null) : loadSharedMap(url)
-  const [lobes, a, metals, profileMap, reliefMap] = await Promise.all([
-    loadSharedMap(urls.lobes),
-    illuminant === 'A' ? null : loadSharedMap(`${mapsPath}lobes-${observer}-A`),
-    loadSharedMap(urls.metals),
-    load(profile),
-    load(heightField),
+  const [lobes, metals, a, profile, relief] = await Promise.all([
+    loadSharedMap(addresses.lobes),
+    loadSharedMap(addresses.metals),
+    map(addresses.a),
+    map(addresses.profile),
+    map(addresses.relief),
   ])
   const spectrum = new LightSpectrum(lobes)
   return {
-    maps: { lobes, metals, profile: profileMap, relief: reliefMap },
+    maps: { lobes, metals, profile, relief },
     spectrum,
     illuminant: illuminantSpectrum(spectrum, a === null ? spectrum : new LightSpectrum(a)),
-    relief: reliefMap === null ? null : new Relief(reliefMap),
+    relief: relief === null ? null : new Relief(relief),
   }
 }
 

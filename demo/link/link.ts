@@ -9,8 +9,8 @@ export function linkTo(page: string, settings: readonly Setting[]): string {
     const value = read()
     if (value !== undefined) link.searchParams.set(name, value)
   }
-  // Both may stand in an address as they are, and are easier to read so.
-  return link.href.replaceAll('%2C', ',').replaceAll('%2F', '/')
+  // All may stand in an address as they are, and are easier to read so.
+  return link.href.replaceAll('%2C', ',').replaceAll('%2F', '/').replaceAll('%3A', ':')
 }
 
 /** Takes over what an address states, in the settings' order. What it states as it is already is left alone. */

@@ -12,10 +12,9 @@ import {
   type BufferGeometry,
 } from 'three'
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js'
-import { DiffractionMaterial } from '../../web'
 import { backOf } from './back'
-import { foilAddress, loadFoil } from './foils'
-import { MAPS, type Subject } from './subject'
+import { covered } from './covered'
+import type { Subject } from './subject'
 
 const [WIDTH, HEIGHT, DEPTH] = [0.96, 1.44, 0.42]
 /** How far the sides are folded in at the top, and front and back bulge in their middle. */
@@ -26,20 +25,16 @@ const REPEAT = new Vector2(2, 3)
 
 /** A gift bag: paper with a hot-stamped foil on front and back. */
 export async function bag(): Promise<Subject> {
-  const surface = await loadFoil(foilAddress('logo'), REPEAT)
-  const material = new DiffractionMaterial({
-    surface,
-    mapsPath: MAPS,
+  const cover = await covered('logo', REPEAT, {
     roughness: MathUtils.degToRad(0.9),
     color: PAPER,
   })
-  await material.ready
   const paper = new MeshStandardMaterial({ color: PAPER, roughness: 0.75, side: DoubleSide })
   const cord = new MeshStandardMaterial({ color: 0xe8dcc0, roughness: 0.9 })
   const faces = mergeGeometries([face(), face().rotateY(Math.PI)])
   const object = new Group()
   object.add(
-    new Mesh(faces, material),
+    new Mesh(faces, cover.material),
     backOf(faces),
     new Mesh(mergeGeometries([side(), side().rotateY(Math.PI), floor()]), paper),
     new Mesh(handle(DEPTH / 2), cord),
@@ -48,9 +43,7 @@ export async function bag(): Promise<Subject> {
   return {
     caption: 'A gift bag: paper, hot-stamped with a foil on front and back.',
     object,
-    material,
-    surface,
-    repeat: REPEAT,
+    ...cover,
     camera: [0.5, 0.35, 5],
     aspect: 0.8,
     tilt: [MathUtils.degToRad(2), MathUtils.degToRad(-24)],

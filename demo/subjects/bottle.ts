@@ -9,9 +9,8 @@ import {
   type BufferGeometry,
 } from 'three'
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js'
-import { DiffractionMaterial } from '../../web'
-import { foilAddress, loadFoil } from './foils'
-import { MAPS, type Subject } from './subject'
+import { covered } from './covered'
+import type { Subject } from './subject'
 
 /** Radius of the body and of the neck; radius and height along the outside, from the foot to the lip. */
 const [BODY, NECK] = [0.42, 0.15]
@@ -42,28 +41,22 @@ const REPEAT = new Vector2(2, (2 * (LABEL.high - LABEL.low)) / (BODY * LABEL.spa
 
 /** A bottle of dark glass with a foil label and a capsule of the same foil. */
 export async function bottle(): Promise<Subject> {
-  const surface = await loadFoil(foilAddress('fireworks'), REPEAT)
-  const material = new DiffractionMaterial({
-    surface,
-    mapsPath: MAPS,
+  const cover = await covered('fireworks', REPEAT, {
     metal: 'gold',
     roughness: MathUtils.degToRad(1.2),
     color: 0x11151c,
   })
-  await material.ready
   const glass = new MeshPhysicalMaterial({ color: 0x06140b, roughness: 0.05, clearcoat: 1 })
   const outline = OUTLINE.map(([radius, y]) => new Vector2(radius, y))
   const object = new Group()
   object.add(
     new Mesh(new LatheGeometry(outline, 128), glass),
-    new Mesh(mergeGeometries([label(), capsule()]), material),
+    new Mesh(mergeGeometries([label(), capsule()]), cover.material),
   )
   return {
     caption: 'A bottle: its label and the capsule about its neck are of one golden foil.',
     object,
-    material,
-    surface,
-    repeat: REPEAT,
+    ...cover,
     camera: [0, 0.25, 6.1],
     aspect: 0.62,
     tilt: [MathUtils.degToRad(4), MathUtils.degToRad(14)],

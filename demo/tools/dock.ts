@@ -6,6 +6,8 @@ export interface ToolContents {
   /** Called when it comes into view, and when it leaves it. */
   open: () => void
   close: () => void
+  /** Called when values of the page have changed while it is in view. */
+  refresh?: () => void
 }
 
 export interface Tool {
@@ -22,6 +24,7 @@ export class Dock {
   readonly #body = make('div', 'dock-body')
   readonly #contents = new Map<Tool, Promise<ToolContents>>()
   #open: Tool | null = null
+  #shown: ToolContents | null = null
 
   /** @param onError - told of a tool that could not be loaded */
   constructor(private readonly onError: (error: unknown) => void) {
@@ -46,10 +49,15 @@ export class Dock {
     button.addEventListener('click', () => void this.show(this.#open === tool ? null : tool))
   }
 
+  refresh(): void {
+    this.#shown?.refresh?.()
+  }
+
   async show(tool: Tool | null): Promise<void> {
     const before = this.#open
     if (before === tool) return
     this.#open = tool
+    this.#shown = null
     if (before !== null) {
       before.button.setAttribute('aria-expanded', 'false')
       const contents = await this.#contents.get(before)
@@ -77,6 +85,7 @@ export class Dock {
       if (this.#open !== tool) return
       this.#body.replaceChildren(contents.element)
       contents.open()
+      this.#shown = contents
     } catch (error) {
       this.#contents.delete(tool)
       this.onError(error)

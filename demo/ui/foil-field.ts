@@ -6,6 +6,9 @@ import { choice } from './choice'
 import type { Control } from './control'
 import { make, uniqueId } from './elements'
 
+/** The pattern of a foil that was made in the page. */
+const DESIGNED = 'designed'
+
 /** One of the foils that come with the page, or the address of a map, to try another; and the period that it states. */
 export function foilField(demo: Demo): { choice: Control; address: Control; setting: Setting } {
   const isFoil = (): boolean => demo.subject.surface instanceof Foil
@@ -13,21 +16,29 @@ export function foilField(demo: Demo): { choice: Control; address: Control; sett
     {
       name: 'pattern',
       label: 'Pattern',
-      options: FOILS,
+      options: { ...FOILS, [DESIGNED]: 'Designed here' },
+      offered: () => [
+        ...(demo.designs.onShow === null ? [] : [DESIGNED]),
+        ...Object.keys(FOILS),
+      ],
       get: () => {
         if (!isFoil()) return undefined
+        if (demo.designs.onShow !== null) return DESIGNED
         return demo.foilUrl in FOILS ? demo.foilUrl : ''
       },
-      set: async (url) => {
-        if (url !== '') await demo.showFoil(url)
+      set: async (pattern) => {
+        if (pattern !== '' && pattern !== DESIGNED) await demo.tell(demo.showFoil(pattern))
       },
     },
     demo.attempt,
   )
   const setting: Setting = {
     name: 'foil',
-    // A foil that was made in the page has no address.
-    read: () => (isFoil() && demo.foilUrl !== '' ? demo.foilUrl : undefined),
+    read: () => {
+      const url = demo.designs.onShow?.edited?.source.url ?? demo.foilUrl
+      // Strewn shapes have no address.
+      return url === '' ? undefined : url
+    },
     write: (url) => demo.showFoil(url),
   }
   return { choice: pattern, address: addressField(demo), setting }
@@ -52,7 +63,7 @@ function addressField(demo: Demo): Control {
   )
 
   const submit = (): void => {
-    void demo.showFoil(input.value.trim())
+    void demo.tell(demo.showFoil(input.value.trim()))
   }
   load.addEventListener('click', submit)
   input.addEventListener('keydown', (event) => {

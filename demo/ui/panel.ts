@@ -6,6 +6,7 @@ import { ENVIRONMENTS } from '../light/environments'
 import { bakedMethods, FIELDS, type FieldName } from '../subjects/fields'
 import type { Subject } from '../subjects/subject'
 import { choice, type ChoiceOptions } from './choice'
+import { periodsSetting, strewnSetting } from '../link/designs'
 import type { Setting } from '../link/setting'
 import type { Control } from './control'
 import { make } from './elements'
@@ -77,7 +78,8 @@ export class Panel {
     const dielectric = (): HeightField | undefined =>
       heightField()?.ior === null ? undefined : heightField()
     const foil = foilField(demo)
-    this.settings.push(foil.setting)
+    // In the order in which they are made of one another.
+    this.settings.push(foil.setting, strewnSetting(demo), periodsSetting(demo))
     this.#group('Surface', true, [
       foil.choice,
       foil.address,

@@ -130,6 +130,11 @@ export class Viewer {
     this.panes = panes
   }
 
+  /** Whether the picture is finished. */
+  get isSettled(): boolean {
+    return this.canvas.dataset['state'] === 'settled'
+  }
+
   /** How long a frame of each pane takes in full resolution, ms; the least that was measured of this picture. */
   get frameTimes(): readonly number[] {
     return this.#panes.map(({ time }) => time)

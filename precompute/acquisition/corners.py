@@ -83,7 +83,7 @@ class Side:
         return self.start + s[:, None] * self.along + bend[:, None] * self.outwards
 
     def tangent(self, point: Array) -> tuple[Array, Array]:
-        """The edge's point and direction beside a point near it."""
+        """The edge's point, px, and direction, a unit vector, beside a point near it."""
         t = np.array([2 * (point - self.start) @ self.along / self.length - 1])
         slope = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(self.bend))
         return self.points(t)[0], self.along + 2 / self.length * slope[0] * self.outwards

@@ -98,7 +98,7 @@ class Lobes:
         self._spread = np.fft.rfft(np.sqrt(2 * np.pi) * σ * step * kernel, axis=0)
 
     def shown(self, shares: Array) -> Array:
-        """I, shape (angles, radii), of q, shape (angles, frequencies).
+        """I, radiance over irradiance, shape (angles, radii), of q, shape (angles, frequencies).
 
         Args:
             shares: q, shape (angles, frequencies).
@@ -106,7 +106,7 @@ class Lobes:
         return self._turned(shares @ (self._first + self._higher))
 
     def gathered(self, light: Array) -> Array:
-        """The transpose: what of I each grating sends, shape (angles, frequencies).
+        """The transpose: what radiance of I each grating sends, shape (angles, frequencies).
 
         Args:
             light: I, radiance over irradiance, shape (angles, radii).
@@ -121,7 +121,7 @@ class Lobes:
             count: Of points that look in each direction, shape (angles, radii).
 
         Returns:
-            Shape (angles, frequencies) each.
+            Sums of radiance over irradiance, shape (angles, frequencies) each.
         """
         first, higher = (
             self._turned(count * self._turned(shares @ profiles)) @ self._first.T
@@ -176,7 +176,7 @@ def deconvolved(
     Args:
         lobes: Of each photograph.
         lights: What each shows beyond b.
-        noise: Of each photograph's points: light that is dimmer counts little.
+        noise: Of each photograph's points, radiance over irradiance: dimmer light counts little.
         usable: Gratings that may occur, shape (angles, frequencies).
         steps: Number of iterations.
         blur: Standard deviation of the blur, a number of cells over θ, half as much over 1/a.
@@ -212,7 +212,7 @@ def log_likelihood(
         shares: q, shape (angles, frequencies).
 
     Returns:
-        Up to a constant, in units of intensity.
+        No unit, up to a constant.
     """
     total = 0.0
     for one, light, dark in zip(lobes, lights, noise, strict=True):

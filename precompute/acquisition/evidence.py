@@ -88,7 +88,7 @@ def outline(rectification: Rectification, size_mm: tuple[float, float]) -> Mark:
 
 
 def shown(linear: Array, white: float) -> Array:
-    """What a display shows: white at a given value, a power of 1/2.2, grey as three channels.
+    """What a display shows, shares of white: a power of 1/2.2, grey as three channels.
 
     Args:
         linear: Linear light, shape (height, width, 1 or 3).

@@ -33,7 +33,7 @@ def misfits(photographs: Pixels, harmonics: Harmonics, fit: HarmonicFit) -> Arra
         fit: What was fitted, of the shape of one photograph.
 
     Returns:
-        Shape (photographs,): about 1 each, 0 for fewer than `FEWEST`.
+        No unit, shape (photographs,): about 1 each, 0 for fewer than `FEWEST`.
     """
     count = len(photographs)
     if count < FEWEST:

@@ -73,7 +73,7 @@ class ImageFile:
         return self.numbers.shape[1], self.numbers.shape[0]
 
     def linear(self, rows: slice = slice(None)) -> NDArray[np.float32]:
-        """Light of some rows, 0 at black, 1 at white.
+        """Light of some rows, shares of full scale: 0 at black, 1 at white.
 
         What noise puts below black stays below 0. Where there is no white, nothing is scaled or cut
         off.

@@ -82,7 +82,7 @@ def fresnel_ratio(metal: ArrayLike, plastic: float, angle: ArrayLike) -> Complex
         angle: φ, of incidence in air, rad.
 
     Returns:
-        The shape to which `metal` and `angle` broadcast.
+        A ratio of amplitudes, of the shape to which `metal` and `angle` broadcast.
     """
     index = np.asarray(metal, np.complex128)
     sine = np.sin(angle) / plastic
@@ -106,7 +106,7 @@ def reflected(
         obliquity: Oblique incidence; none without it.
 
     Returns:
-        Amplitudes of the shape to which all broadcast.
+        Amplitudes over the metal's own, no unit, of the shape to which all broadcast.
     """
     incident = np.array(1, complex), np.array(-1j)
     delay = np.exp(1j * plastic.retardation)
@@ -122,7 +122,7 @@ def reflected(
 
 
 def intensity(wave: Wave, polariser: ArrayLike) -> Array:
-    """I = |F R_f wave|², 1 for the light that a mirror returns.
+    """I = |F R_f wave|², relative to the light that a mirror returns.
 
     Args:
         wave: Before the polariser.

@@ -35,9 +35,10 @@ lamps' are 7 degrees or more, those behind a filter of 60 nm under 4."""
 class LampColour:
     """The colours that a lamp's mirror image may have in a foil, and those that facets have.
 
-    Order 0 of a sinusoid of height h has J0²(πwh/λ) of the light (docs/theory.md, 2), so that the
-    mirror image does not quite have the lamp's colour: it is redder the higher the relief, which is
-    not known. A first order is narrow: it shows wavelengths within a lobe's width times the period.
+    Order 0 of a sinusoid of height h has J0²(πwh/λ) of the light (docs/theory/profiles.md), so that
+    the mirror image does not quite have the lamp's colour: it is redder the higher the relief,
+    which is not known. A first order is narrow: it shows wavelengths within a lobe's width times
+    the period.
 
     Attributes:
         white: What channels make of the whole spectrum, shape (channels,).

@@ -69,7 +69,8 @@ class Model:
         tables: A lobe's profiles for each photograph, all for the same frequencies.
         shares: How common each frequency is on the sample, summing to 1, shape (F,).
         strength: s of a point all of which diffracts.
-        channel_weights: 1 over each channel's typical brightness, shape (photographs, channels).
+        channel_weights: 1 over the error of each channel at a lobe's peak, shape
+            (photographs, channels).
         strongest: The largest s that may be found, over `strength`.
     """
 
@@ -178,7 +179,7 @@ def fit_texels(
 
 
 def predicted(strip: Strip, model: Model, fit: Fit) -> Array32:
-    """What gratings show in a strip: intensity, shape (n, J, channels)."""
+    """What gratings show in a strip: radiance over irradiance, shape (n, J, channels)."""
     deviation = np.array([table.deviation for table in model.tables], np.float32)
     whitened = _Whitened.of(strip, model)
     rows, columns, _ = _near(whitened, fit.orientation.astype(np.float32), deviation)
@@ -458,7 +459,7 @@ def _between(place: Array, count: int) -> tuple[Indices, Array]:
 
 
 def peak_energy(model: Model) -> float:
-    """s²·M² where a grating of the commonest frequency is brightest."""
+    """s²·M², no unit, where a grating of the commonest frequency is brightest."""
     profiles = [
         np.tensordot(model.shares, table.values * weight, 1)
         for table, weight in zip(model.tables, model.channel_weights, strict=True)

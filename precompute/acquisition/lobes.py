@@ -5,7 +5,7 @@ deviation c show
 
     f(ρ, φ) = Σ_m J_m²(β) /(√2π c) exp(−(ρ sin(φ − θ))²/2c²) · ∫ W(λ) N(ρ − mλ/a; c) dλ,
 
-with (u, v) = ρ (cos φ, sin φ), β = πwh0/λ: docs/theory.md, 2 and 8.
+with (u, v) = ρ (cos φ, sin φ), β = πwh0/λ: docs/theory/gratings.md and flash.md.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def at_radius(profile: Array32, radius: Array32) -> Array32:
         radius: ρ, any shape.
 
     Returns:
-        That shape, then channels.
+        In the unit of `profile`, shape that of `radius`, then channels.
     """
     place = np.minimum(radius / np.float32(RADIUS_STEP), len(profile) - 1.001)
     below = place.astype(np.int32)

@@ -113,7 +113,7 @@ def observed(
         shots: The photographs.
         tiling: Where the tiles lie.
         place: Points right of and below a tile's top left corner, in tiles, shape (n, 2).
-        highlight: ρ below which the lamp's reflection outshines all.
+        highlight: ρ, no unit, below which the lamp's reflection outshines all.
         tiles: Indices, row and column, of those to look in; all if left out.
     """
     tiles = tiling.tiles() if tiles is None else tiles
@@ -145,7 +145,7 @@ def looked_up(shot: Shot, points: Array) -> tuple[Array32, NDArray[np.bool_]]:
         points: mm, shape (n, 2).
 
     Returns:
-        Shape (n, channels), linear between pixels, and (n,).
+        Full scales per s, shape (n, channels), linear between pixels, and whether, shape (n,).
     """
     pixels = shot.rectification.pixels(points).astype(np.float32)
     # OpenCV looks up pictures of some 32000 pixels a side at most: the list is folded.
@@ -162,7 +162,9 @@ def looked_up(shot: Shot, points: Array) -> tuple[Array32, NDArray[np.bool_]]:
 
 
 def texel_places(size: tuple[int, int]) -> Array:
-    """Middles of a map's texels in tiles, row by row from the top, shape (rows · columns, 2).
+    """Middles of a map's texels, shares of a tile, row by row from the top.
+
+    Shape (rows · columns, 2).
 
     Args:
         size: Columns and rows.

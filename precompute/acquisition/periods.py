@@ -72,7 +72,7 @@ def frequency_shares(profile: MeanProfile, tables: list[LobeTable], weights: Arr
         weights: Of each photograph's channels, shape (photographs, channels).
 
     Returns:
-        Shape (F,), not below 0.
+        No unit, shape (F,), not below 0.
     """
     left, right = _equations(profile, tables, weights)
     light = np.linalg.norm(left, axis=0)

@@ -90,7 +90,7 @@ class PhaseCircle:
 
 
 def modulations(fit: HarmonicFit) -> NDArray[np.complex64]:
-    """A e^{iη}/c of pixels, of the fit's shape; NaN where they are unknown or dark."""
+    """A e^{iη}/c of pixels, no unit, of the fit's shape; NaN where they are unknown or dark."""
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(fit.mean > 0, fit.amplitude / fit.mean, np.float32(np.nan))
     return (relative * np.exp(1j * fit.phase)).astype(np.complex64)

@@ -187,7 +187,7 @@ def dark_noise(values: NDArray[np.float32]) -> float:
         values: Shape (height, width, channels), both sides 16 or more.
 
     Returns:
-        Of the noisiest channel, in units of `values`.
+        Of the noisiest channel, in the unit of `values`.
     """
     height, width, channels = values.shape
     rows, columns = height // SQUARE, width // SQUARE

@@ -195,7 +195,7 @@ def rendering(foil: Map, tiling: Tiling, shot: Shot, points: Array, roughness: f
         roughness: Of the normal, rad.
 
     Returns:
-        Shape (n, channels).
+        Radiance, as `foil_radiance` has it, shape (n, channels).
     """
     texels = gratings_of(foil)
     place = (points - tiling.corner) / tiling.size

@@ -32,7 +32,10 @@ class PixelPoints:
     pixels: int
 
     def gathered(self, values: Array) -> Array:
-        """What pixels show of values at the points, shape (n, channels): (pixels, channels)."""
+        """What pixels show of values at the points, shape (n, channels), in their unit.
+
+        Shape (pixels, channels).
+        """
         shares = self.share[:, None] * values
         columns = [np.bincount(self.pixel, c, self.pixels) for c in shares.T]
         return np.stack(columns, axis=-1).astype(np.float64)

@@ -161,7 +161,7 @@ def acquire_polarization(
 
 
 def confidences(found: Diffracting) -> Pixels:
-    """What orientations are worth: 0 where nothing diffracts or noise is as good, else up to 1.
+    """What orientations are worth, no unit: 0 where nothing diffracts or all is noise, else to 1.
 
     All are worth nothing where the circle is unknown: they are counted from no place in particular.
     """

@@ -1,7 +1,7 @@
 """The harmonic of light through a turning polariser: a linear fit to each pixel by itself.
 
 What leaves a point is made of 1, cos 2ψ and sin 2ψ of the polariser's angle ψ alone
-(docs/theory.md, section 9): three numbers a pixel, by linear least squares from any three angles.
+(docs/theory/polarisation.md): three numbers a pixel, by linear least squares from any three angles.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def distinct_angles(polariser: Array) -> int:
 
 
 def photograph_means(photographs: Pixels, mask: NDArray[np.bool_]) -> Array:
-    """The mean of each photograph over pixels of a mask.
+    """The mean of each photograph over pixels of a mask, in its unit.
 
     Args:
         photographs: Shape (photographs, rows, columns); NaN is left out.

@@ -160,7 +160,7 @@ class PolarizationSimulation(Taking):
 
     @property
     def first_surface(self) -> float:
-        """r_p: as stated, or Fresnel's at normal incidence from air."""
+        """r_p, a ratio of amplitudes: as stated, or Fresnel's at normal incidence from air."""
         stated = self.plastic.first_surface
         index = self.plastic.index
         return (1 - index) / (1 + index) if stated is None else stated

@@ -57,7 +57,7 @@ class Move:
     quality: float
 
     def moved(self, pixels: Array, size: tuple[int, int]) -> Array:
-        """Where the photograph shows what the other one shows at pixels x, y.
+        """Where the photograph shows, px, what the other one shows at pixels x, y.
 
         Args:
             pixels: Shape (n, 2).
@@ -118,7 +118,7 @@ class Outlines:
             corners: Of the quadrilateral in this one, px, shape (4, 2).
 
         Returns:
-            Correlation of the gradients' sizes where it is largest, −1 to 1.
+            Correlation of the gradients' sizes where it is largest, no unit, −1 to 1.
         """
         return max(
             _likeness(still, moving, move, corners, self.size, self.factor * 2**level)

@@ -48,7 +48,7 @@ def sensitivity(camera: Camera, folder: Path) -> Array:
 
 
 def transmittance(filter_: Filter | None) -> Array:
-    """Of a filter, 1 where there is none, shape (401,).
+    """Of a filter, the share of light, 1 where there is none, shape (401,).
 
     >>> green = transmittance(Filter(peak_um=0.53, fwhm_um=0.03))
     >>> [round(float(green[i]), 3) for i in (135, 150, 165)]  # 515, 530, 545 nm
@@ -71,7 +71,7 @@ def channel_weights(
         folder: Where a spectrum's CSV is.
 
     Returns:
-        Shape (401, channels).
+        Relative, as S and r_c are, shape (401, channels).
 
     Raises:
         InputError: The spectrum's CSV cannot be read or used.
@@ -81,7 +81,7 @@ def channel_weights(
 
 
 def noisy(values: Array, sensor: SensorNoise, rng: np.random.Generator) -> Array:
-    """Light of full scale with the sensor's noise added, of any shape.
+    """Light, shares of full scale, with the sensor's noise added, of any shape.
 
     Args:
         values: Light, shares of full scale.

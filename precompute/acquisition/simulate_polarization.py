@@ -89,7 +89,7 @@ class Pose:
     light: float
 
     def steady(self, pixels: Array, size_px: tuple[int, int]) -> Array:
-        """Where a camera that had not moved shows what pixels x, y, shape (n, 2), show."""
+        """Where a camera that had not moved shows, px, what pixels x, y, shape (n, 2), show."""
         middle = (np.array(size_px) - 1) / 2
         x, y = (pixels - self.shift - middle).T
         cosine, sine = np.cos(self.turn), np.sin(self.turn)
@@ -231,7 +231,7 @@ class Scene:
         return np.where(np.all(np.abs(xy) <= self.size / 2, axis=1), texels, -1)
 
     def strip(self, pose: Pose, optics: list[Optics], start: int) -> Array:
-        """Rows of a photograph from `start` on, full scales per second, (rows, width, channels)."""
+        """Rows of a photograph from `start` on, full scales per s, (rows, width, channels)."""
         width, height = self.simulation.size_px
         stop = min(start + ROWS, height)
         x, y = np.meshgrid(np.arange(width), np.arange(start, stop))
@@ -257,7 +257,7 @@ class Scene:
             optics: The wavelengths.
 
         Returns:
-            Shape (n, channels).
+            A ratio, shape (n, channels).
         """
         sheet, panel = self.simulation.sheet, self.simulation.panel
         total = np.sum([part.weights for part in optics], axis=0)

@@ -39,7 +39,7 @@ class SensorNoise(Part):
 
     @property
     def signal_to_noise_db(self) -> float | None:
-        """At full scale; None without noise."""
+        """At full scale, a ratio in dB; None without noise."""
         if self.full_well is not None:
             return float(10 * np.log10(self.full_well))
         return self.noise_db

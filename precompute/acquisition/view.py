@@ -99,7 +99,7 @@ def seen_at(view: View, points: list[Point]) -> tuple[Point, ...]:
 
 
 def pinhole(camera: Camera, focal_px: float, size_px: tuple[int, int]) -> Array:
-    """The camera's matrix, its principal point in the picture's middle unless it states one."""
+    """The camera's matrix, px, its principal point in the picture's middle unless it states one."""
     width, height = size_px
     x, y = camera.principal_point_px or ((width - 1) / 2, (height - 1) / 2)
     return np.array([[focal_px, 0, x], [0, focal_px, y], [0, 0, 1]])

@@ -222,7 +222,7 @@ def read_mask(file: Path) -> tuple[Array, str]:
     """How light and opaque a PNG is.
 
     Returns:
-        0 to 1, shape (rows, columns), and the file's checksum.
+        Shares, 0 to 1, shape (rows, columns), and the file's checksum.
 
     Raises:
         InputError: No PNG of 8 bits a channel.

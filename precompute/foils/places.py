@@ -12,14 +12,20 @@ ROOMY = 100
 
 
 def texel_places(size: int) -> tuple[Array, Array]:
-    """x and y of texels' centres, each of shape (size, size); the first row is the top, y ≈ 1."""
+    """x and y of texels' centres, shares of the tile's side, each of shape (size, size).
+
+    The first row is the top, y ≈ 1.
+    """
     texel = (np.arange(size) + 0.5) / size
     x, y = np.meshgrid(texel, texel[::-1])
     return x, y
 
 
 def spread_points(rng: np.random.Generator, count: int, candidates: int = 10) -> Array:
-    """Points, none very close to another: each the best of some candidates. Shape (count, 2)."""
+    """Points, none very close to another: each the best of some candidates.
+
+    Shares of the tile's side, shape (count, 2).
+    """
     points = rng.random((1, 2))
     while len(points) < count:
         places = rng.random((candidates, 2))
@@ -54,7 +60,9 @@ def from_nearest(points: Array, size: int) -> tuple[NDArray[np.intp], Array, Arr
 
 
 def room(points: Array) -> Array:
-    """Radius of the largest disc about each point that lies in its cell. Shape (count,).
+    """Radius of the largest disc about each point that lies in its cell.
+
+    A share of the square's side, shape (count,).
 
     Args:
         points: In the unit square, whose opposite sides meet; shape (count, 2).

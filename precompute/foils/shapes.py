@@ -77,7 +77,7 @@ def strewn(figure: Figure, places: Array, side: float, size: int) -> NDArray[np.
     Args:
         figure: What they look like.
         places: Middles of their boxes on the unit tile, shape (count, 2), the topmost last.
-        side: Of their boxes, ½ at most, the tile's side being 1.
+        side: Of their boxes, a share of the tile's side, ½ at most.
         size: Texels along the tile's side.
 
     Returns:

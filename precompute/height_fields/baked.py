@@ -1,4 +1,4 @@
-"""The colour of a height field, baked over (u, v, w) as a few modes (docs/theory.md).
+"""The colour of a height field, baked over (u, v, w) as a few modes (docs/theory/height-fields.md).
 
 Where normals tilt or the light has a size, the lines of a repeating patch blur into a pattern that
 a table can hold. With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and s = 1/λ,

@@ -4,8 +4,8 @@ With d = (u, v) = (ω_i + ω_o)_xy, w = (ω_i + ω_o)_z and g = 1 + ω_i·ω_o,
 
     f_r = g²/max(cosθ_i cosθ_o w², 1e-6) · max(0, Σ_r ψ_r(w) B_r(u, v) + E(r, w)/(2π √det C))
 
-in XYZ, each channel for itself. The last term is order 0, C the covariance of docs/theory.md,
-section 2, at the longest wavelength, and r² = dᵀC⁻¹d.
+in XYZ, each channel for itself. The last term is order 0, C the covariance of
+docs/theory/gratings.md at the longest wavelength, and r² = dᵀC⁻¹d.
 """
 
 from __future__ import annotations

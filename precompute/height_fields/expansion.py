@@ -40,7 +40,7 @@ def phase_length(expansion: Expansion, field: HeightField) -> float:
 
 
 def worst_phase(expansion: Expansion, field: HeightField) -> float:
-    """x at the shortest visible wavelength, light and view head-on: w = 2."""
+    """x, rad, at the shortest visible wavelength, light and view head-on: w = 2."""
     return 4 * np.pi / WAVELENGTH_MIN * phase_length(expansion, field)
 
 
@@ -53,7 +53,7 @@ def coefficients(expansion: Expansion, terms: int, x: ArrayLike) -> Array:
         x: Phase, rad, 0 or more, shape (n,).
 
     Returns:
-        Shape (terms, n).
+        No unit, shape (terms, n).
 
     >>> coefficients("taylor", 4, [0.0, 1.0])[:, 1].round(3).tolist()
     [1.0, 1.0, 0.5, 0.167]
@@ -67,7 +67,7 @@ def coefficients(expansion: Expansion, terms: int, x: ArrayLike) -> Array:
 
 
 def basis(expansion: Expansion, field: HeightField, terms: int) -> Iterator[Array]:
-    """B_0, B_1, … over the patch, each of the shape of the heights and within [−1, 1].
+    """B_0, B_1, … over the patch, no unit, each of the shape of the heights, within [−1, 1].
 
     T_{n+1} = 2t T_n − T_{n−1} is stable on [−1, 1].
 
@@ -92,6 +92,8 @@ def basis(expansion: Expansion, field: HeightField, terms: int) -> Iterator[Arra
 
 def taylor_error_bound(x: float, last_term: int) -> float:
     """The thesis' bound e^x x^(N+1)/(N+1)! of what Taylor's series leaves out after term N.
+
+    No unit: what it is left out of has the length 1.
 
     Args:
         x: Largest phase, rad.
@@ -133,7 +135,7 @@ def terms_needed(expansion: Expansion, x: float, error: float) -> int:
 
 
 def taylor_cancellation(x: float, epsilon: float = FLOAT32_EPSILON) -> float:
-    """Error of exp(ix) that rounding of Taylor's largest term causes: ε · max_n x^n/n!.
+    """Error of exp(ix), no unit, that rounding of Taylor's largest term causes: ε · max_n x^n/n!.
 
     Args:
         x: Phase, rad.

@@ -36,7 +36,7 @@ class HeightField:
 
     @property
     def centred(self) -> Array:
-        """t = (h − h_c)/(Δ/2), from −1 at the lowest sample to 1 at the highest.
+        """t = (h − h_c)/(Δ/2), no unit, from −1 at the lowest sample to 1 at the highest.
 
         >>> HeightField(np.array([[1.0, 2.0], [2.0, 3.0]]), (0.1, 0.1)).centred.tolist()
         [[-1.0, 0.0], [0.0, 1.0]]

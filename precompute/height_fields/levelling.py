@@ -66,7 +66,7 @@ def with_rows_mended(file: str | Path, heights: Array) -> Array:
         heights: Shape (rows, columns), a scan line a row.
 
     Returns:
-        That shape.
+        That shape and unit.
 
     Raises:
         InputError: More than a quarter of the lines would have to go, or there are fewer than four.

@@ -40,7 +40,7 @@ DARK = 1e-12
 
 
 def line_amplitudes(field: HeightField, kw: float) -> ComplexArray:
-    """A_jl(kw) of all lines that the samples resolve.
+    """A_jl(kw), no unit, of all lines that the samples resolve.
 
     Args:
         field: The relief.
@@ -96,7 +96,7 @@ class Interpolation:
         self._coefficients[0] /= 2
 
     def weights(self, kw: Array) -> Array:
-        """What multiplies the values at the nodes, shape (len(kw), nodes)."""
+        """Factors of the values at the nodes, shape (len(kw), nodes)."""
         x = (kw - self.middle) / self.half
         return chebyshev.chebvander(x, len(self.nodes) - 1) @ self._coefficients
 
@@ -168,7 +168,7 @@ def sum_over_lines(
             lines along x).
 
     Returns:
-        Shape (n,), real or complex as the values.
+        In the unit of the values, shape (n,), real or complex as they are.
     """
     total = np.zeros_like(values, shape=len(points.kw))
     for tile in tiles_of(points.at, lines.step, reach):
@@ -196,7 +196,7 @@ def sum_over_lines(
 
 
 def product(one: Array, other: Array) -> Array:
-    """The matrix product, a few rows at a time.
+    """The matrix product, in the product of both units, a few rows at a time.
 
     Args:
         one: Numbers of any unit, shape (n, m).

@@ -74,7 +74,7 @@ class HeightFieldOptics(BaseModel):
             wavelength: λ, µm, shape (n,).
 
         Returns:
-            Shape (n,), in [0, 1].
+            A share of the light, shape (n,).
         """
         if self.ior is not None:
             # Opposite directions, edge-on both: rounding may leave the sum below zero.

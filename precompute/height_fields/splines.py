@@ -45,7 +45,7 @@ def gaussian_moments(centres: Array, deviation: float, axis: Axis, degree: Degre
         degree: d.
 
     Returns:
-        Shape (n, axis.size).
+        No unit, shape (n, axis.size).
     """
     step = (axis.last - axis.first) / (axis.size - 1)
     position = (centres - axis.first) / step
@@ -68,7 +68,7 @@ def gaussian_moments(centres: Array, deviation: float, axis: Axis, degree: Degre
 
 
 def coefficients(moments: Array, axis: int, degree: Degree) -> Array:
-    """c of G c = b along an axis of `moments`, the splines beyond its ends left out.
+    """c of G c = b along an axis of `moments`, in their unit, no splines beyond its ends.
 
     Args:
         moments: b, shape (..., n, ...), of any unit.

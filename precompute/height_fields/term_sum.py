@@ -37,7 +37,7 @@ def interpolated_coefficients(table: Table, x: ArrayLike) -> NDArray[np.float32]
         x: Phase, rad, shape (n,).
 
     Returns:
-        Shape (terms, n).
+        No unit, shape (terms, n).
     """
     _, axis = table.axes
     texel = axis.texel_from_parameter(x)
@@ -60,7 +60,7 @@ def even_and_odd_sums(
         coefficients: c_n, shape (terms, …), broadcast against the lines.
 
     Returns:
-        Two arrays of the broadcast shape.
+        Two arrays of the broadcast shape, no unit.
     """
     shape = np.broadcast_shapes(terms.shape[1:-1], coefficients.shape[1:])
     sums = np.zeros((2, *shape), np.complex64)
@@ -99,7 +99,7 @@ class TermsMethod:
             kw: 2πw/λ, 1/µm, shape (n,).
 
         Returns:
-            Shape (n,).
+            No unit, shape (n,).
         """
         result = np.zeros(len(line), np.complex64)
         known = np.flatnonzero((np.abs(line) <= self.limit).all(axis=1))

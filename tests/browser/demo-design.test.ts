@@ -10,7 +10,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, it, vi } from 'vitest
 import { venvProgram } from '../../scripts/python.mjs'
 import { Foil } from '../../web'
 import { serveFiles } from '../web/fake-maps'
-import { demoPages, picture, settle, type OpenedPage } from './demo-page'
+import { demoPages, picture, settle, type OpenedPage, type OpenOptions } from './demo-page'
 import { dockLayout } from './dock-layout'
 import { meanDifference } from './screenshot'
 
@@ -32,8 +32,13 @@ afterAll(async () => {
   await rm(folder, { recursive: true })
 })
 
-async function design(query: string, width: number, height: number): Promise<OpenedPage> {
-  const opened = await open(query, { width, height, acceptDownloads: true })
+async function design(
+  query: string,
+  width: number,
+  height: number,
+  options: OpenOptions = {},
+): Promise<OpenedPage> {
+  const opened = await open(query, { width, height, acceptDownloads: true, ...options })
   await settle(opened.page)
   await opened.page.getByRole('button', { name: 'Design', exact: true }).press('Enter')
   await opened.page.waitForSelector('.design')
@@ -58,6 +63,17 @@ async function savedFiles(page: Page): Promise<Record<string, Uint8Array>> {
   const files = unzipSync(new Uint8Array(await readFile(await download.path())))
   for (const [name, bytes] of Object.entries(files)) await writeFile(join(folder, name), bytes)
   return files
+}
+
+/** What the fields of the form in view hold, by their names. */
+function fieldsOf(page: Page): Promise<Record<string, string>> {
+  return page.evaluate(() =>
+    Object.fromEntries(
+      [...document.querySelectorAll<HTMLInputElement>('.form [name]')]
+        .filter((field) => field.checkVisibility())
+        .map(({ name, value }) => [name, value]),
+    ),
+  )
 }
 
 async function inspected(name: string): Promise<string> {
@@ -177,6 +193,87 @@ describe('the design panel', () => {
     const image = 'my-foil.grating.png'
     expect(again[image]).toEqual(one[image])
     expect(other[image]).not.toEqual(one[image])
+  })
+
+  it.each(['card', 'note'])(
+    'makes foils that a link holds, to the texel, on the %s',
+    async (scene) => {
+      const permissions = ['clipboard-read', 'clipboard-write']
+      const { page } = await design(`?scene=${scene}`, 820, 420, { permissions })
+      const pattern = page.getByLabel('Pattern', { exact: true })
+      const patterns = await pattern.locator('option').allInnerTexts()
+      expect(patterns).not.toContain('Designed here')
+      // Of the foil that was there, of shapes, and of these with other periods.
+      const ways = [
+        async (): Promise<void> => {
+          await page.getByLabel('Periods by orientation').check()
+          await page.getByLabel('Ranges of orientation').fill('5')
+          await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
+        },
+        async (): Promise<void> => {
+          await page.getByLabel('Strewn shapes').check()
+          await page.getByLabel('Seed', { exact: true }).fill('77')
+          await makePolygons(page)
+        },
+        async (): Promise<void> => {
+          await page.getByLabel('Periods by orientation').check()
+          await page.getByLabel('Period at 0°').fill('0.875')
+          await page.locator('.design [role=status]', { hasText: 'periods 875' }).waitFor()
+        },
+      ]
+      for (const make of ways) {
+        await make()
+        const before = await picture(page)
+        const files = await savedFiles(page)
+        expect(await pattern.locator('option:checked').innerText()).toBe('Designed here')
+        await page.getByRole('button', { name: 'Share' }).press('Enter')
+        await page.getByText('The link is copied.').waitFor()
+        const { search } = new URL(await page.evaluate(() => navigator.clipboard.readText()))
+
+        const again = await design(search, 820, 420)
+        expect(meanDifference(before, await picture(again.page))).toBeLessThan(0.1)
+        const image = 'my-foil.grating.png'
+        expect((await savedFiles(again.page))[image]).toEqual(files[image])
+        expect(await fieldsOf(again.page)).toEqual(await fieldsOf(page))
+        expect(again.complaints).toEqual([])
+        // A link of what was opened is the same.
+        await again.page.getByRole('button', { name: 'Share' }).press('Enter')
+        await expect.poll(() => new URL(again.page.url()).search).toBe(search)
+        await again.page.context().close()
+      }
+      // Another pattern leaves it.
+      await pattern.selectOption('Stars')
+      await settle(page)
+      expect(await pattern.locator('option').allInnerTexts()).toEqual(patterns)
+      expect(await page.getByText('Take it with you').isVisible()).toBe(false)
+      await page.getByRole('button', { name: 'Share' }).press('Enter')
+      await expect
+        .poll(() => Object.fromEntries(new URL(page.url()).searchParams))
+        .toMatchObject({ foil: '/maps/baked/foil-stars' })
+      expect(page.url()).not.toMatch(/strewn|periods/)
+    },
+  )
+
+  it('stops when it is told to, and when another pattern is chosen', async () => {
+    const { page, complaints } = await design('', 820, 420)
+    const before = await picture(page)
+    const begin = async (): Promise<void> => {
+      await page.getByLabel('Texels a side', { exact: true }).fill('1024')
+      await page.getByLabel('Size of a shape', { exact: true }).fill('0.06')
+      await page.getByRole('button', { name: 'Make the foil' }).press('Enter')
+      await page.getByText('Making the foil …').first().waitFor()
+    }
+    await begin()
+    await page.getByRole('button', { name: 'Stop' }).press('Enter')
+    await page.locator('.design [role=status]', { hasText: 'Stopped.' }).waitFor()
+    expect(meanDifference(before, await picture(page))).toBeLessThan(0.1)
+    await begin()
+    await page.getByLabel('Pattern', { exact: true }).selectOption('Stars')
+    await page.locator('.design [role=status]', { hasText: 'Stopped.' }).waitFor()
+    await settle(page)
+    expect(await page.getByLabel('Pattern').locator('option:checked').innerText()).toBe('Stars')
+    expect(await page.getByRole('button', { name: 'Stop' }).isVisible()).toBe(false)
+    expect(complaints).toEqual([])
   })
 
   it('fits a phone', async () => {

@@ -1,3 +1,5 @@
+import { existsSync, mkdtempSync, rmSync } from 'node:fs'
+import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import {
   Application,
@@ -8,6 +10,8 @@ import {
   type TypeDocOptions,
 } from 'typedoc'
 import { describe, expect, it } from 'vitest'
+import { pdocCommand } from '../../scripts/pdoc.mjs'
+import { collect } from '../../scripts/process.mjs'
 import { undocumented, withoutUnit } from './documented'
 import { root } from './markdown'
 
@@ -35,6 +39,18 @@ describe('three-diffraction', async () => {
   it('says the unit of every quantity, or that it has none', () => {
     expect(withoutUnit(api)).toEqual([])
   })
+})
+
+it('documents precompute without a warning', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'three-diffraction-pdoc-'))
+  try {
+    const [pdoc, ...args] = pdocCommand(folder)
+    // pdoc warns, of a type that it cannot read or a module that it cannot import, and goes on.
+    expect(await collect(pdoc, args)).toEqual({ passed: true, output: '', problem: '' })
+    expect(existsSync(join(folder, 'precompute/reference.html'))).toBe(true)
+  } finally {
+    rmSync(folder, { recursive: true })
+  }
 })
 
 it('is strict', async () => {

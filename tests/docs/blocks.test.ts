@@ -1,8 +1,9 @@
-import { existsSync } from 'node:fs'
+import { existsSync, rmSync } from 'node:fs'
 import { join } from 'node:path'
 import type { Browser } from 'playwright-core'
 import { afterAll, beforeAll, describe, expect, it } from 'vitest'
 import { launchBrowser } from '../../scripts/browser.mjs'
+import { collect } from '../../scripts/process.mjs'
 import { serveFiles } from '../package/static-server'
 import { codeBlocks, markdownFiles, root, type CodeBlock } from './markdown'
 import { buildPages, folder, runInNode, typeErrors, writePrograms, type Program } from './programs'
@@ -37,11 +38,12 @@ const RULES: Record<string, string> = {
   'jsonl recipe': 'read by precompute, line by line: tests/python/test_documentation.py',
   'csv input': 'read by a command: tests/python/test_documentation.py',
   'sh run': 'run by the command line: tests/python/test_documentation.py',
+  'sh node': 'run by Node in the repository: here',
   'sh parse': 'parsed by the command line: tests/python/test_documentation.py',
 }
 
 /** Equations and drawings that nothing can run. */
-const FORMULAS = 'docs/theory.md'
+const FORMULAS = 'docs/theory/'
 
 it('finds blocks of every kind', () => {
   expect([...new Set(blocks.map(kindOf))].sort()).toEqual(
@@ -51,7 +53,8 @@ it('finds blocks of every kind', () => {
 
 it('has a rule for every block', () => {
   const without = blocks.filter(
-    (block) => !(kindOf(block) in RULES || (block.language === null && block.file === FORMULAS)),
+    (block) =>
+      !(kindOf(block) in RULES || (block.language === null && block.file.startsWith(FORMULAS))),
   )
   expect(without.map((block) => `${block.file}:${block.line} ${kindOf(block)}`)).toEqual([])
 })
@@ -126,6 +129,17 @@ describe('programs', () => {
         expect(complaints).toEqual([])
       }
     })
+  })
+})
+
+describe.each(ofKind('sh node'))('$file:$line', ({ code, settings }) => {
+  it('runs and makes its file', async () => {
+    const made = join(root, settings.makes!)
+    rmSync(made, { force: true })
+    const [node, ...words] = code.trim().split(/\s+/)
+    expect(node).toBe('node')
+    expect(await collect(process.execPath, words)).toMatchObject({ passed: true, problem: '' })
+    expect(existsSync(made)).toBe(true)
   })
 })
 

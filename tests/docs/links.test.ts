@@ -1,8 +1,9 @@
-import { existsSync } from 'node:fs'
+import { existsSync, readFileSync } from 'node:fs'
 import { dirname, join, normalize } from 'node:path'
 import GithubSlugger from 'github-slugger'
 import { visit } from 'unist-util-visit'
 import { describe, expect, it } from 'vitest'
+import { filesUnder } from '../../scripts/stamp.mjs'
 import { markdownFiles, parsed, root } from './markdown'
 
 /** The anchors that GitHub gives a file's headings. */
@@ -52,7 +53,7 @@ export function deadEnd(file: string, address: string): string | null {
 
 it('finds the pages', () => {
   expect(markdownFiles).toEqual(
-    expect.arrayContaining(['README.md', 'docs/theory.md', 'docs/gltf/README.md']),
+    expect.arrayContaining(['README.md', 'docs/theory/README.md', 'docs/gltf/README.md']),
   )
 })
 
@@ -66,9 +67,23 @@ describe.each(markdownFiles)('%s', (file) => {
   })
 })
 
+it('finds each page that a comment in the sources names', () => {
+  const sources = ['demo', 'precompute', 'shaders', 'web']
+    .flatMap(filesUnder)
+    .filter((file) => /\.(glsl|py|tsx?)$/.test(file))
+  const named = sources.flatMap((file) =>
+    [...readFileSync(join(root, file), 'utf8').matchAll(/docs\/[\w/-]+\.md/g)].map(([page]) => ({
+      file,
+      page,
+    })),
+  )
+  expect(named.length).toBeGreaterThan(20)
+  expect(named.filter(({ page }) => !existsSync(join(root, page)))).toEqual([])
+})
+
 it.each([
   ['theory.md', 'there is no theory.md'],
-  ['docs/theory.md#9-nothing', 'docs/theory.md has no heading #9-nothing'],
+  ['docs/theory/README.md#9-nothing', 'docs/theory/README.md has no heading #9-nothing'],
   ['#nothing', 'README.md has no heading #nothing'],
   ['docs#theory', 'docs has no anchors'],
   ['../x.md', 'leaves the repository'],

@@ -7,10 +7,12 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args, get_origin, get_type_hints
 
+import numpy as np
 import pytest
 from docstring_parser import DocstringStyle, parse
+from numpy.typing import NDArray
 
 import precompute
 
@@ -22,7 +24,7 @@ MODULES = [
 ]
 NUMBERS = re.compile(r"\b(float|int|complex|NDArray|Array\w*|Positive)\b")
 UNIT = re.compile(
-    r"(?<!\w)(µm|um|mm|nm|rad|degrees|px|pixels|[Tt]exels|bytes|s|sr|unit vectors?|ω_[io])(?!\w)"
+    r"(?<![\w'])(µm|um|mm|nm|rad|degrees|px|pixels|[Tt]exels|bytes|s|sr|unit vectors?|ω_[io])(?!\w)"
 )
 NO_UNIT = re.compile(
     r"\b(no unit|shares?|factor|times|ind(ex|ices)|relative|numbers?|how many|count|every|shape"
@@ -30,6 +32,12 @@ NO_UNIT = re.compile(
     re.IGNORECASE,
 )
 """Words of what has none: numbers of things, shares, ratios; and of arrays whose unit is said."""
+RETURNED = re.compile(
+    r"(?<![\w'|])(µm|mm|nm|[Rr]ad|degrees|px|bytes|s|sr|unit vectors?)[²³]?(?![\w*·²|])"
+    r"|(?i:\b(units?|shares?|factors?|times as|ind(ex|ices)|relative|number of|how many"
+    r"|refractive index|ratio|slope|XYZ|radiance)\b)"
+)
+"""The same of what comes back, without words that tell its shape, or what it is made from."""
 NAMED = re.compile(r"_(mm|um|nm|px|s|deg|xyz|rgb)$|^degrees$")
 """Names that say the unit themselves."""
 
@@ -58,7 +66,8 @@ def members(module: ModuleType) -> Iterator[tuple[str, Any]]:
             yield name, value
             for key, member in vars(value).items():
                 plain = getattr(member, "__func__", member)
-                if not key.startswith("_") and inspect.isfunction(plain):
+                is_property = isinstance(plain, property)
+                if not key.startswith("_") and (inspect.isfunction(plain) or is_property):
                     yield f"{name}.{key}", getattr(value, key)
 
 
@@ -73,7 +82,36 @@ def without_unit(module: ModuleType) -> list[str]:
         if inspect.isroutine(function)
         for parameter in quantities(function)
         if not parameter.has_unit
+    ] + [
+        f"{name}(): {text}"
+        for name, value in members(module)
+        if returns_floats(value)
+        and RETURNED.search(text := said_of_result(value)) is None
+        and NAMED.search(name) is None
     ]
+
+
+def returns_floats(member: Any) -> bool:
+    """Whether a function gives, or a property is, a float or an array of floats, or has some."""
+    function = member.fget if isinstance(member, property) else member
+    return inspect.isroutine(function) and holds_floats(
+        get_type_hints(function, include_extras=True).get("return")
+    )
+
+
+def holds_floats(annotation: Any) -> bool:
+    if get_origin(annotation) is Callable:
+        return False
+    if inspect.isclass(annotation) and issubclass(annotation, float | complex | np.inexact):
+        return True
+    return any(holds_floats(argument) for argument in get_args(annotation))
+
+
+def said_of_result(member: Any) -> str:
+    """Its first line, and what is said of the result apart or else in the lines below."""
+    said = parse(inspect.getdoc(member) or "", DocstringStyle.GOOGLE)
+    below = said.long_description if said.returns is None else said.returns.description
+    return f"{said.short_description or ''}\n{below or ''}"
 
 
 def quantities(function: Callable[..., Any]) -> Iterator[Parameter]:
@@ -106,3 +144,36 @@ def test_what_lacks_a_unit_is_seen() -> None:
         """
 
     assert [p.name for p in quantities(poor) if not p.has_unit] == ["length", "width"]
+
+
+def test_what_comes_back_without_a_unit_is_seen() -> None:
+    def silent(size: int) -> tuple[int, NDArray[np.float32]]:
+        """The lamp's place, shape (size,)."""
+        raise NotImplementedError
+
+    def apart(width: float) -> float | None:
+        """How long.
+
+        Args:
+            width: A share.
+
+        Returns:
+            Half the width, µm.
+        """
+
+    class Sheet:
+        @property
+        def length(self) -> float:
+            """How long.
+
+            mm, of the longer side.
+            """
+            raise NotImplementedError
+
+    def count() -> int:
+        raise NotImplementedError
+
+    results = (silent, apart, Sheet.length, count)
+    assert [returns_floats(result) for result in results] == [True, True, True, False]
+    said = [RETURNED.search(said_of_result(result)) is not None for result in results[:3]]
+    assert said == [False, True, True]

@@ -8,10 +8,11 @@ import { venvProgram } from '../../scripts/python.mjs'
 import { madeFoil, stored, type FoilTexels, type MadeFoil } from '../../demo/design/foil-map'
 import { NumpyRandom } from '../../demo/design/numpy-random'
 import { editedFacts, periodAt, withPeriods, type PeriodEdit } from '../../demo/design/period-edit'
-import { stochasticTexels, type StochasticRecipe } from '../../demo/design/stochastic'
+import { stochasticTexels } from '../../demo/design/stochastic'
+import type { StochasticRecipe } from '../../demo/design/stochastic-recipe'
+import type { Work } from '../../demo/design/work'
 import { Foil } from '../../web'
 import { loadMap } from '../../web/maps/load'
-import { atOnce } from '../../web/steps'
 import { serveBakedMaps } from './baked-maps'
 import { serveFiles } from './fake-maps'
 import { python } from './python'
@@ -45,12 +46,19 @@ function recipe(values: Partial<StochasticRecipe>): StochasticRecipe {
   }
 }
 
+/** All of a work now. */
+function atOnce<Result>(work: Work<Result>): Result {
+  let step = work.next()
+  while (!step.done) step = work.next()
+  return step.value
+}
+
 async function written(
   name: string,
   texels: FoilTexels,
-  facts: Parameters<typeof madeFoil>[3],
+  facts: Parameters<typeof madeFoil>[2],
 ): Promise<MadeFoil> {
-  const foil = await madeFoil(name, texels, atOnce(stored(texels)), facts)
+  const foil = await madeFoil(name, atOnce(stored(texels)), facts)
   for (const [file, bytes] of Object.entries(foil.files)) await writeFile(join(folder, file), bytes)
   return foil
 }
@@ -143,7 +151,7 @@ describe('periods by orientation', () => {
       serveBakedMaps()
       const before = await loadMap(`maps/baked/${name}`)
       const texels = atOnce(withPeriods(before, edit))
-      const foil = await written('edited', texels, editedFacts(before, edit))
+      const foil = await written('edited', texels, editedFacts(before, name, edit))
       await promisify(execFile)(
         join(root, venvProgram('diffraction')),
         [
@@ -170,9 +178,9 @@ print(json.dumps([json.loads((Path(input) / "by-command.json").read_text()), flo
     serveBakedMaps()
     const before = await loadMap('maps/baked/foil-polygons')
     const texels = atOnce(withPeriods(before, edit))
-    const once = await written('once', texels, editedFacts(before, edit))
+    const once = await written('once', texels, editedFacts(before, 'foil-polygons', edit))
     const again = { ...edit, longest: 3 }
-    const { recipe } = editedFacts(once.map, again)
+    const { recipe } = editedFacts(once.map, 'once', again)
     expect(recipe).toMatchObject({ from: { map: 'foil-polygons' }, edits: [edit, again] })
   })
 })

@@ -24,8 +24,9 @@ const SHARES = 32
 const STEPS = 256
 
 /**
- * One axis of the coherence window exp(−x²/2σ²), cut to |x| ≤ length/2. Its transform L is real and even (docs/theory.md,
- * section 7). Frequencies are counted in the deviation of the Gaussian that has the energy and the peak of L².
+ * One axis of the coherence window exp(−x²/2σ²), cut to |x| ≤ length/2. Its transform L is real and even
+ * (docs/theory/height-fields.md). Frequencies are counted in the deviation of the Gaussian that has the energy and the peak
+ * of L².
  */
 class CutWindow {
   /** Of that Gaussian, 1/µm. */

@@ -7,7 +7,7 @@ export const METALS = ['aluminium', 'silver', 'gold', 'copper'] as const
 export type Metal = (typeof METALS)[number]
 
 export const ENERGIES = ['conserving', 'reciprocal', 'kirchhoff', 'relative'] as const
-/** How light is normalised over the directions into which it goes: docs/theory.md, sections 2 and 7. */
+/** How light is normalised over the directions into which it goes: docs/theory/gratings.md and height-fields.md. */
 export type Energy = (typeof ENERGIES)[number]
 
 export const METHODS = [

@@ -22,31 +22,27 @@ export interface GratingOptics extends Widening {
 
 /** Below, what scalar theory says of the rest is noise; the shaders stop here too. */
 const LEAST_EFFICIENCY = 1e-4
-
-/** An order's part in f_r, 1/sr. */
-export interface OrderPart {
-  order: number
-  value: number
-}
+/** Orders whose density over (u, v) is lower have no part: the largest are 1e2 and more. */
+const LEAST_DENSITY = 1e-9
 
 /**
- * f_r(ω_i, ω_o, λ) in 1/sr as a sum over orders' powers (docs/theory.md, section 2): exact for σ ≥ a, where orders do not
- * interfere. Orders whose part is below 1e-9 of the largest possible are left out.
+ * f_r(ω_i, ω_o, λ) in 1/sr as a sum over orders' powers (docs/theory/gratings.md): exact for σ ≥ a, where orders do not
+ * interfere.
  *
- * @param wi - ω_i, above the horizon, as ω_o
+ * @param wi - ω_i; there is nothing below the horizon, as for ω_o
  * @param wavelength - λ, µm
  * @param angularRadius - α of the light, rad
  */
-export function orderParts(
+export function gratingBrdf(
   grating: GratingOptics,
   wi: Direction,
   wo: Direction,
   wavelength: number,
   angularRadius: number,
-): OrderPart[] {
-  if (!(wi[2] > 0 && wo[2] > 0)) return []
+): number {
+  if (!(wi[2] > 0 && wo[2] > 0)) return 0
   const [u, v, w] = sumOf(wi, wo)
-  const parts: OrderPart[] = []
+  let sum = 0
   for (let order = -grating.maxOrder; order <= grating.maxOrder; order++) {
     const offset = (order * wavelength) / grating.period
     const own =
@@ -55,31 +51,43 @@ export function orderParts(
         : w
     const covariance = lobeCovariance(grating, wi, own, angularRadius, wavelength)
     const density = gaussian(covariance, u - offset, v)
-    if (density > 1e-9)
-      parts.push({
-        order,
-        value: density * grating.efficiency(order, phaseOf(grating, own, wavelength)),
-      })
+    if (density > LEAST_DENSITY)
+      sum += density * grating.efficiency(order, phaseOf(grating, own, wavelength))
   }
-  if (parts.length === 0) return []
-  const factor =
-    grating.reflectance(wavelength) * energyFactor(grating, wi, wo, wavelength, lobesAbove)
-  return parts.map(({ order, value }) => ({ order, value: factor * value }))
+  if (sum === 0) return 0
+  return (
+    sum * grating.reflectance(wavelength) * energyFactor(grating, wi, wo, wavelength, lobesAbove)
+  )
 }
 
-/** e_m of an order of a plane wave between ω_o and ω_m: the share of the light that it takes; 0 where it does not propagate. */
-export function orderShare(
+/**
+ * e_m of the orders of a plane wave between ω_o and ω_m: the share of the light that each takes; 0 where one does not
+ * propagate.
+ *
+ * @param wavelength - λ, µm
+ * @param shares - where they go, from −maxOrder on
+ */
+export function orderShares(
   grating: GratingOptics,
   wo: Direction,
-  order: number,
   wavelength: number,
-): number {
-  const wi = orderDirection(wo, order, wavelength, grating.period)
-  if (wi === null) return 0
-  const η = grating.efficiency(order, phaseOf(grating, wi[2] + wo[2], wavelength))
-  return (
-    grating.reflectance(wavelength) * energyFactor(grating, wi, wo, wavelength, ordersAbove) * η
-  )
+  shares = new Float64Array(2 * grating.maxOrder + 1),
+): Float64Array {
+  const reflectance = grating.reflectance(wavelength)
+  const factor = (wi: Direction): number =>
+    reflectance * energyFactor(grating, wi, wo, wavelength, ordersAbove)
+  // N(ω_o) alone: one for all orders.
+  const conserving = grating.energy === 'conserving' ? factor(wo) : null
+  for (let order = -grating.maxOrder; order <= grating.maxOrder; order++) {
+    const at = order + grating.maxOrder
+    const wi = orderDirection(wo, order, wavelength, grating.period)
+    shares[at] =
+      wi === null
+        ? 0
+        : grating.efficiency(order, phaseOf(grating, wi[2] + wo[2], wavelength)) *
+          (conserving ?? factor(wi))
+  }
+  return shares
 }
 
 /** φ = 2π w h0/λ, rad. */

@@ -1,6 +1,7 @@
 import { parameterFromTexel } from '../../../web/maps/axes'
 import { arrayOf, constantOf, type LoadedMap } from '../../../web/maps/load'
 
+/** Numbers a cell has in the map: X, Y, Z in light of each of three bases. */
 const COLUMNS = 9
 
 /** Linear sRGB, or XYZ. */
@@ -10,54 +11,59 @@ export type Colour = [number, number, number]
 export class LightSpectrum {
   /** Middles of the cells, µm. */
   readonly wavelengths: readonly number[]
-  /** Of each cell: XYZ in light of the bases red, green and blue, whose sum is white; a mirror's white has Y = 1. */
-  readonly #weights: Float64Array
+  /** X, Y, Z of each cell in white light; a mirror's white has Y = 1. */
+  readonly #white: Float64Array
+  /** The parts of each cell's white light that the bases red, green and blue have (Mallett and Yuksel 2019). */
+  readonly #bases: Float64Array
   readonly #xyzToRgb: readonly number[]
 
   constructor(lobes: LoadedMap) {
     const { spec, data } = arrayOf(lobes, 'weights')
     const axis = spec.axes[0]!
-    this.wavelengths = Array.from({ length: axis.size - 1 }, (_, i) => {
+    const count = axis.size - 1
+    this.wavelengths = Array.from({ length: count }, (_, i) => {
       return (parameterFromTexel(axis, i) + parameterFromTexel(axis, i + 1)) / 2
     })
-    this.#weights = Float64Array.from(
-      { length: COLUMNS * this.wavelengths.length },
-      (_, i) => data[i + COLUMNS]! - data[i]!,
-    )
+    this.#white = new Float64Array(3 * count)
+    this.#bases = new Float64Array(3 * count)
+    for (let cell = 0; cell < count; cell++) {
+      let total = 0
+      for (let column = 0; column < COLUMNS; column++) {
+        const at = COLUMNS * cell + column
+        const weight = data[at + COLUMNS]! - data[at]!
+        this.#white[3 * cell + (column % 3)]! += weight
+        this.#bases[3 * cell + Math.floor(column / 3)]! += weight
+        total += weight
+      }
+      for (let tint = 0; tint < 3; tint++) {
+        const at = 3 * cell + tint
+        this.#bases[at] = total > 0 ? this.#bases[at]! / total : 1 / 3
+      }
+    }
     this.#xyzToRgb = constantOf(lobes, 'xyz_to_rgb')
   }
 
   /** XYZ of a cell in white light. */
   white(cell: number): Colour {
-    const at = (c: number): number =>
-      this.#weight(cell, c) + this.#weight(cell, c + 3) + this.#weight(cell, c + 6)
-    return [at(0), at(1), at(2)]
+    const at = 3 * cell
+    return [this.#white[at]!, this.#white[at + 1]!, this.#white[at + 2]!]
   }
 
-  /** The part of white light at a cell that a basis (0: red, 1: green, 2: blue) has, 0 to 1 (Mallett and Yuksel 2019). */
+  /** The part of white light at a cell that a basis (0: red, 1: green, 2: blue) has, 0 to 1. */
   basis(cell: number, tint: number): number {
-    const sum = (from: number): number =>
-      this.#weight(cell, from) + this.#weight(cell, from + 1) + this.#weight(cell, from + 2)
-    const white = sum(0) + sum(3) + sum(6)
-    return white > 0 ? sum(3 * tint) / white : 1 / 3
+    return this.#bases[3 * cell + tint]!
   }
 
   /**
-   * The colour of light whose spectrum is the illuminant's times these factors.
+   * The colour of light whose spectrum is the illuminant's times these factors, one for each cell.
    *
-   * @param factors - one for each `stride`-th cell
    * @returns linear sRGB, possibly out of gamut
    */
-  colour(factors: ArrayLike<number>, stride = 1): Colour {
-    const xyz = [0, 0, 0]
-    for (let i = 0; i < factors.length; i++) {
-      // Cells between two factors have the nearer one's.
-      const first = Math.max(i * stride - (stride >> 1), 0)
-      const last = Math.min(i * stride + ((stride - 1) >> 1), this.wavelengths.length - 1)
-      for (let cell = first; cell <= last; cell++)
-        this.white(cell).forEach((weight, c) => (xyz[c]! += weight * factors[i]!))
-    }
-    return this.rgb(xyz as Colour)
+  colour(factors: ArrayLike<number>): Colour {
+    const xyz: Colour = [0, 0, 0]
+    for (let cell = 0; cell < this.wavelengths.length; cell++)
+      for (let c = 0; c < 3; c++) xyz[c]! += this.#white[3 * cell + c]! * factors[cell]!
+    return this.rgb(xyz)
   }
 
   /** Linear sRGB, white for a perfect mirror. */
@@ -65,10 +71,6 @@ export class LightSpectrum {
     const m = this.#xyzToRgb
     const row = (r: number): number => m[r]! * xyz[0] + m[r + 1]! * xyz[1] + m[r + 2]! * xyz[2]
     return [row(0), row(3), row(6)]
-  }
-
-  #weight(cell: number, column: number): number {
-    return this.#weights[COLUMNS * cell + column]!
   }
 }
 

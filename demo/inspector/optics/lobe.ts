@@ -17,7 +17,7 @@ export interface Covariance {
 }
 
 /**
- * C = λ²/(8π²σ²)·1 + (wδ)²·1 + α²(1 − d dᵀ), d = (ω_i)_xy (docs/theory.md, section 2).
+ * C = λ²/(8π²σ²)·1 + (wδ)²·1 + α²(1 − d dᵀ), d = (ω_i)_xy (docs/theory/gratings.md).
  *
  * @param w - cosθ_i + cosθ_o
  * @param angularRadius - α, rad

@@ -13,7 +13,7 @@ export function squaredCosine([t, , n]: Direction, offset: number): number {
 }
 
 /**
- * Where order m leaves for, or comes from: (ω_m)_xy = −ω_xy + (mλ/a) t (docs/theory.md, section 1); null where it does not
+ * Where order m leaves for, or comes from: (ω_m)_xy = −ω_xy + (mλ/a) t (docs/theory/geometry.md); null where it does not
  * propagate. wavelength, period: µm.
  */
 export function orderDirection(
@@ -42,4 +42,15 @@ export function propagatingOrders(
 /** The sum of two directions, (u, v, w). */
 export function sumOf(wi: Direction, wo: Direction): Direction {
   return [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]]
+}
+
+/** (ω_i)_xy = λ f − (ω_o)_xy of a line of a relief's spectrum; null below the horizon. frequency: f, 1/µm. */
+export function lineDirection(
+  wo: Direction,
+  [fx, fy]: readonly [number, number],
+  wavelength: number,
+): Direction | null {
+  const [x, y] = [wavelength * fx - wo[0], wavelength * fy - wo[1]]
+  const squared = 1 - x * x - y * y
+  return squared > 0 ? [x, y, Math.sqrt(squared)] : null
 }

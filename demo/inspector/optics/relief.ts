@@ -7,7 +7,7 @@ import { sumOf, type Direction } from './orders'
 /** A line of a relief's spectrum: number along x, number along y. */
 export type Line = readonly [j: number, l: number]
 
-/** The spectrum of a repeating relief, as its map of kind 'height-field-terms' holds it (docs/theory.md, section 7). */
+/** The spectrum of a repeating relief, as its map of kind 'height-field-terms' holds it (docs/theory/height-fields.md). */
 export class Relief {
   /** Periods of the patch along x and y, µm. */
   readonly patch: readonly [number, number]
@@ -93,7 +93,7 @@ export interface ReliefOptics extends Widening {
 /** Lobes are looked at to this many standard deviations. */
 const REACH = 5.3
 
-/** f_r(ω_i, ω_o, λ) by the powers of the lines, blurred by a light of some size (docs/theory.md, section 7). */
+/** f_r(ω_i, ω_o, λ) by the powers of the lines, blurred by a light of some size (docs/theory/height-fields.md). */
 export function reliefBrdf(
   { relief, reflectance, isRelative, ...widening }: ReliefOptics,
   wi: Direction,
@@ -128,13 +128,13 @@ export interface PoweredLine {
   power: number
 }
 
-/** Lines that are kept of each spectrum, and steps of w in which they are: what is smaller is not seen. */
-const MOST_LINES = 160
+/** Lines that are kept of each spectrum, as many as pictures show, and steps of w in which they are: what is smaller is not seen. */
+const MOST_LINES = 13
 const STEPS_OF_W = 100
 
 const strongest = new WeakMap<Relief, Map<string, readonly PoweredLine[]>>()
 
-/** The lines that take most of the light about that depth, the strongest first, 160 at most. w: cosθ_i + cosθ_o. */
+/** The lines that take most of the light about that depth, the strongest first, 13 at most. w: cosθ_i + cosθ_o. */
 export function strongestLines(
   relief: Relief,
   w: number,

@@ -2,12 +2,11 @@ import type { Steps } from '../../../web/steps'
 import { make } from '../../ui/elements'
 import { css, toneMapped } from '../optics/display'
 import type { EnvironmentLight } from '../optics/environment-light'
-import { orderShare } from '../optics/grating-brdf'
+import { orderShares } from '../optics/grating-brdf'
 import type { Colour } from '../optics/light-spectrum'
-import { orderDirection, type Direction } from '../optics/orders'
+import { lineDirection, orderDirection, type Direction } from '../optics/orders'
 import { strongestLines } from '../optics/relief'
 import type { PointOptics } from '../point-optics'
-import { inWorld, lineDirection } from '../radiance'
 import { Block } from './block'
 import { degrees, percent, signed } from './numbers'
 
@@ -119,11 +118,12 @@ function arcsOf({ grating, relief, wo }: PointOptics): Arc[] {
   const optics = grating?.optics
   if (!optics) return []
   const arcs: Arc[] = []
+  const shares = orderShares(optics, wo, GREEN)
   for (let order = -optics.maxOrder; order <= optics.maxOrder; order++)
     if (order !== 0)
       arcs.push({
         name: signed(order),
-        share: orderShare(optics, wo, order, GREEN),
+        share: shares[order + optics.maxOrder]!,
         at: (wavelength) => orderDirection(wo, order, wavelength, optics.period),
       })
   return arcs
@@ -151,6 +151,15 @@ function describe(
     `All directions around the object, ±180° across, ±90° up. Each ${what} brings light of 380 to 780 nm to the eye from an arc, ` +
     `drawn in its colours; at 550 nm azimuth, height and share of the light: ${from}. Ring: the mirror’s direction.`
   )
+}
+
+/** A direction of the point's axes in the world's. */
+function inWorld(
+  axes: PointOptics['axes'],
+  [t, b, n]: Direction,
+): [x: number, y: number, z: number] {
+  const [a, c, d] = axes
+  return [t * a.x + b * c.x + n * d.x, t * a.y + b * c.y + n * d.y, t * a.z + b * c.z + n * d.z]
 }
 
 function outlined(context: CanvasRenderingContext2D, text: string, x: number, y: number): void {

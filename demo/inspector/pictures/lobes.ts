@@ -1,5 +1,5 @@
 import { css } from '../optics/display'
-import { orderShare } from '../optics/grating-brdf'
+import { orderShares } from '../optics/grating-brdf'
 import { lobeCovariance } from '../optics/lobe'
 import type { Colour } from '../optics/light-spectrum'
 import { propagatingOrders, squaredCosine, sumOf } from '../optics/orders'
@@ -42,8 +42,9 @@ export class Lobes {
     const defs = svg('defs', {})
     const strips: SVGElement[] = []
     const shares: { order: number; share: number }[] = []
+    const atGreen = orderShares(grating, wo, GREEN)
     for (let order = -grating.maxOrder; order <= grating.maxOrder; order++) {
-      const share = orderShare(grating, wo, order, GREEN)
+      const share = atGreen[order + grating.maxOrder]!
       if (share > 0) shares.push({ order, share })
       if (order === 0) continue
       const at = (wavelength: number): number => (order * wavelength) / grating.period

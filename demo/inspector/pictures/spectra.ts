@@ -72,7 +72,7 @@ export class Spectra {
     }
     const whole = spectrum.wavelengths.length
     this.block.describe(
-      `Light that the point sends to the eye, over 380 to 780 nm (${whole} wavelengths from the flash); 1 is a white mirror’s under irradiance 1. ` +
+      `Light that the point sends to the eye, over 380 to 780 nm (${whole} wavelengths); 1 is a white mirror’s under irradiance 1. ` +
         `From the flash: ${peak(curves.flash)}; from the environment: ${curves.environment === null ? 'none' : peak(curves.environment)}. ` +
         `Illuminant: relative power, ${peak(illuminant)}.`,
     )
@@ -105,8 +105,8 @@ export class Spectra {
 
 const KEYS = { flash: 'Flash', environment: 'Environment', illuminant: 'Illuminant' }
 
-function values({ factors, stride }: Radiance, illuminant: Float64Array): number[] {
-  return Array.from(factors, (factor, i) => factor * illuminant[i * stride]!)
+function values({ factors }: Radiance, illuminant: Float64Array): number[] {
+  return Array.from(factors, (factor, cell) => factor * illuminant[cell]!)
 }
 
 function swatch(label: string, colour: Colour | null, exposure: number): HTMLElement {

@@ -1,8 +1,7 @@
 import { Group, MathUtils, MeshStandardMaterial, PlaneGeometry, Vector2 } from 'three'
-import { DiffractionMaterial } from '../../../web'
-import { foilAddress, loadFoil } from '../foils'
+import { covered } from '../covered'
 import { Sheet } from '../sheet'
-import { MAPS, type Subject } from '../subject'
+import type { Subject } from '../subject'
 import { notePrint } from './print'
 
 const [WIDTH, HEIGHT] = [2, 0.91]
@@ -13,26 +12,20 @@ const REPEAT = new Vector2(1, HEIGHT / STRIP.width)
 
 /** A note as a bank might issue it, with a strip of foil. */
 export async function note(): Promise<Subject> {
-  const surface = await loadFoil(foilAddress('kinematic-discs'), REPEAT)
-  const material = new DiffractionMaterial({
-    surface,
-    mapsPath: MAPS,
+  const cover = await covered('kinematic-discs', REPEAT, {
     roughness: MathUtils.degToRad(0.7),
     color: 0x9a9c9c,
   })
-  await material.ready
   const paper = new MeshStandardMaterial({ map: notePrint(), roughness: 0.85 })
   const strip = new PlaneGeometry(STRIP.width, HEIGHT, 24, 1)
   const sheet = new Sheet(WIDTH)
   sheet.add(new PlaneGeometry(WIDTH, HEIGHT, 96, 1), paper, true)
-  sheet.add(strip.translate(STRIP.x, 0, STUCK), material)
+  sheet.add(strip.translate(STRIP.x, 0, STUCK), cover.material)
   sheet.angle = MathUtils.degToRad(38)
   return {
     caption: 'A note as a bank might issue it: engraved paper with a strip of moving discs.',
     object: new Group().add(...sheet.meshes),
-    material,
-    surface,
-    repeat: REPEAT,
+    ...cover,
     camera: [0, 0.2, 3.3],
     aspect: 1.5,
     tilt: [MathUtils.degToRad(-16), MathUtils.degToRad(-14)],

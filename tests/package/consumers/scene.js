@@ -12,7 +12,7 @@ import {
   Scene,
   WebGLRenderer,
 } from 'three'
-import { DiffractionMaterial, Foil, Grating } from 'three-diffraction'
+import { DiffractionMaterial, Foil, Grating, HeightField } from 'three-diffraction'
 
 /** @satisfies {import('three-diffraction').GratingOptions} */
 export const disc = {
@@ -21,6 +21,9 @@ export const disc = {
   profile: 'rectangular',
   tracks: /** @type {const} */ ('circular'),
 }
+
+/** @satisfies {import('three-diffraction').HeightFieldOptions} */
+export const skin = { field: 'bumps', ior: 1.5 }
 
 /**
  * Arguments of a DataTexture: a dark sky with a bright window.
@@ -39,7 +42,7 @@ export function sky() {
 }
 
 /**
- * Draws a disc with circular tracks and a card of foil.
+ * Draws a disc with circular tracks, a card of foil and a strip of skin.
  *
  * @param {string} maps folder of the package's maps, with its slash
  */
@@ -76,7 +79,12 @@ export async function drawScene(maps) {
   right.position.x = 0.8
   scene.add(right)
 
-  await Promise.all([grating.ready, metal.ready])
+  const relief = new DiffractionMaterial({ surface: new HeightField(skin), mapsPath: maps })
+  const above = new Mesh(new PlaneGeometry(2.6, 0.2), relief)
+  above.position.y = 0.92
+  scene.add(above)
+
+  await Promise.all([grating.ready, metal.ready, relief.ready])
   renderer.render(scene, camera)
   document.title = 'drawn'
 }

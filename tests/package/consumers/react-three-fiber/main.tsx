@@ -1,8 +1,8 @@
 import { StrictMode, Suspense, use, useState } from 'react'
 import { createRoot } from 'react-dom/client'
 import { addAfterEffect, Canvas, extend, useThree, type ThreeElement } from '@react-three/fiber'
-import { DiffractionMaterial, Foil, Grating } from 'three-diffraction'
-import { disc, sky } from '../scene.js'
+import { DiffractionMaterial, Foil, Grating, HeightField } from 'three-diffraction'
+import { disc, skin, sky } from '../scene.js'
 
 extend({ DiffractionMaterial })
 
@@ -15,6 +15,7 @@ declare module '@react-three/fiber' {
 // Outside of components: one that was suspended is made anew, and must ask for the same promise.
 const foil = Foil.load('maps/baked/foil-polygons')
 const grating = new Grating(disc)
+const relief = new HeightField(skin)
 const environment = sky()
 
 const ready = new Set<DiffractionMaterial>()
@@ -35,6 +36,15 @@ function Disc() {
     <mesh position-x={-0.8}>
       <circleGeometry args={[0.75, 64]} />
       <diffractionMaterial ref={useReady()} args={[{ surface: grating }]} />
+    </mesh>
+  )
+}
+
+function Skin() {
+  return (
+    <mesh position-y={0.92}>
+      <planeGeometry args={[2.6, 0.2]} />
+      <diffractionMaterial ref={useReady()} args={[{ surface: relief }]} />
     </mesh>
   )
 }
@@ -76,6 +86,7 @@ function App() {
               userData={{ angularRadius: 0.02 }}
             />
             <Disc />
+            <Skin />
             <Suspense>
               <Card isGold={step === 0} />
             </Suspense>
@@ -100,5 +111,5 @@ createRoot(document.getElementById('root')!).render(
 )
 
 addAfterEffect(() => {
-  if (ready.size === 2) document.title = 'drawn'
+  if (ready.size === 3) document.title = 'drawn'
 })
