@@ -42,14 +42,14 @@ export async function viewErrors(
  */
 export function* errorsOf(
   samples: readonly Sample[],
-  reference: (sample: Sample) => Colour | null,
+  reference: (sample: Sample) => Steps<Colour | null>,
   isStale: () => boolean,
 ): Steps<readonly number[] | null> {
   const off = samples[0]?.colours.map(() => 0) ?? []
   let [all, places] = [0, 0]
   for (const { sample, share } of chosen(samples)) {
     if (isStale()) return null
-    const truth = reference(sample)
+    const truth = yield* reference(sample)
     yield
     if (truth === null) continue
     places++
@@ -87,7 +87,7 @@ function chosen(samples: readonly Sample[]): { sample: Sample; share: number }[]
 }
 
 /** What the object sends to the eye from a place of the view, linear sRGB within the gamut; null where it is not seen. */
-function referenceAt(demo: Demo, tables: SpectralTables, place: Vector2): Colour | null {
+function* referenceAt(demo: Demo, tables: SpectralTables, place: Vector2): Steps<Colour | null> {
   const { subject, viewer } = demo
   const point = pickAt(place, viewer.camera, subject.object, subject.material)
   if (point === null) return null
@@ -95,6 +95,6 @@ function referenceAt(demo: Demo, tables: SpectralTables, place: Vector2): Colour
   const light = environmentLight(demo)
   const { colour } = flashRadiance(optics)
   if (light !== null)
-    environmentRadiance(optics, light).colour.forEach((value, c) => (colour[c]! += value))
+    (yield* environmentRadiance(optics, light)).colour.forEach((value, c) => (colour[c]! += value))
   return gamutMapped(colour)
 }

@@ -1,3 +1,4 @@
+import type { Steps } from '../../web/steps'
 import type { EnvironmentLight } from './optics/environment-light'
 import { gratingBrdf } from './optics/grating-brdf'
 import { gratingUnderEnvironment } from './optics/grating-environment'
@@ -39,10 +40,13 @@ export function flashRadiance(optics: PointOptics): Radiance {
 }
 
 /** Radiance from the environment, at each nanometre. */
-export function environmentRadiance(optics: PointOptics, light: EnvironmentLight): Radiance {
+export function* environmentRadiance(
+  optics: PointOptics,
+  light: EnvironmentLight,
+): Steps<Radiance> {
   const { tables, through, strength } = optics
   const { spectrum } = tables
-  const seen = seenOf(optics, light)
+  const seen = yield* seenOf(optics, light)
   const scale = through.environment * strength
   const factors = Float64Array.from(spectrum.wavelengths, (_, cell) => {
     if (seen === null) return 0
@@ -54,14 +58,14 @@ export function environmentRadiance(optics: PointOptics, light: EnvironmentLight
 }
 
 /** The environment's linear sRGB times what diffraction takes of it, three numbers a nanometre; null where that is nothing. */
-function seenOf(
+function* seenOf(
   { tables, axes, wo, grating, relief }: PointOptics,
   light: EnvironmentLight,
-): Float64Array | null {
+): Steps<Float64Array | null> {
   if (wo[2] <= 0) return null
   const { wavelengths } = tables.spectrum
   const around = light.around(axes)
-  if (relief !== null) return reliefUnderEnvironment(relief, wo, wavelengths, around)
+  if (relief !== null) return yield* reliefUnderEnvironment(relief, wo, wavelengths, around)
   if (!grating?.optics) return null
   return gratingUnderEnvironment(grating.optics, wo, wavelengths, around)
 }
