@@ -29,7 +29,7 @@ export function* reliefUnderEnvironment(
   environment: LocalEnvironment,
 ): Steps<Float64Array> {
   const tilted = new TiltedEnvironment(environment, wo, roughness, false)
-  const powers = linePowers(relief)
+  const powers = yield* linePowers(relief)
   const count = wavelengths.length
   const nanometre = wavelengths[1]! - wavelengths[0]!
   // What bands begin and end with; its running sum is what is seen.
