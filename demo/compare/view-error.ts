@@ -42,7 +42,7 @@ export async function viewErrors(
  */
 export function* errorsOf(
   samples: readonly Sample[],
-  reference: (sample: Sample) => Colour | null,
+  reference: (sample: Sample) => Steps<Colour | null>,
   isStale: () => boolean,
 ): Steps<readonly number[] | null> {
   const off = samples[0]?.colours.map(() => 0) ?? []
@@ -51,7 +51,7 @@ export function* errorsOf(
   for (const sample of samples) {
     if (isStale()) return null
     if (places >= LEAST_PLACES && performance.now() > end) break
-    const truth = reference(sample)
+    const truth = yield* reference(sample)
     yield
     if (truth === null) continue
     places++
@@ -66,7 +66,7 @@ export function* errorsOf(
 }
 
 /** What the object sends to the eye from a place of the view, linear sRGB within the gamut; null where it is not seen. */
-function referenceAt(demo: Demo, tables: SpectralTables, { x, y }: Sample): Colour | null {
+function* referenceAt(demo: Demo, tables: SpectralTables, { x, y }: Sample): Steps<Colour | null> {
   const { subject, viewer } = demo
   const point = pickAt(new Vector2(x, y), viewer.camera, subject.object, subject.material)
   if (point === null) return null
@@ -74,6 +74,6 @@ function referenceAt(demo: Demo, tables: SpectralTables, { x, y }: Sample): Colo
   const light = environmentLight(demo)
   const { colour } = flashRadiance(optics)
   if (light !== null)
-    environmentRadiance(optics, light).colour.forEach((value, c) => (colour[c]! += value))
+    (yield* environmentRadiance(optics, light)).colour.forEach((value, c) => (colour[c]! += value))
   return gamutMapped(colour)
 }

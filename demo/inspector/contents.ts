@@ -141,7 +141,7 @@ export class InspectorContents implements ToolContents {
     yield
     const flash = flashRadiance(optics)
     yield
-    const environment = light && environmentRadiance(optics, light)
+    const environment = light && (yield* environmentRadiance(optics, light))
     yield
     this.#spectra.show(optics, flash, environment, this.#colours)
     this.#spectra.compare(flash, environment, null, exposure)
@@ -167,7 +167,8 @@ export class InspectorContents implements ToolContents {
     if (this.#rendered !== key) return
     const exposure = this.demo.viewer.renderer.toneMappingExposure
     const light = environmentLight(this.demo)
-    const environment = light && environmentRadiance(optics, light)
+    const environment = light && (await bitByBit(environmentRadiance(optics, light)))
+    if (this.#rendered !== key) return
     this.#spectra.compare(flashRadiance(optics), environment, rendered, exposure)
   }
 

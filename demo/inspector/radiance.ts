@@ -1,3 +1,4 @@
+import type { Steps } from '../../web/steps'
 import { coatHighlight, coatMirror } from './optics/coat'
 import type { EnvironmentLight } from './optics/environment-light'
 import { gratingBrdf } from './optics/grating-brdf'
@@ -42,10 +43,13 @@ function brdf({ grating, relief, wi, wo, angularRadius }: PointOptics, wavelengt
 }
 
 /** Radiance from the environment, at each nanometre. */
-export function environmentRadiance(optics: PointOptics, light: EnvironmentLight): Radiance {
+export function* environmentRadiance(
+  optics: PointOptics,
+  light: EnvironmentLight,
+): Steps<Radiance> {
   const { tables, axes, through, strength, albedo, lacquer, isSeen } = optics
   const { spectrum } = tables
-  const seen = seenOf(optics, light)
+  const seen = yield* seenOf(optics, light)
   const scale = through.environment * strength
   const factors = Float64Array.from(spectrum.wavelengths, (_, cell) => {
     if (seen === null) return 0
@@ -67,14 +71,14 @@ export function environmentRadiance(optics: PointOptics, light: EnvironmentLight
 }
 
 /** The environment's linear sRGB times what diffraction takes of it, three numbers a nanometre; null where that is nothing. */
-function seenOf(
+function* seenOf(
   { tables, axes, wo, grating, relief }: PointOptics,
   light: EnvironmentLight,
-): Float64Array | null {
+): Steps<Float64Array | null> {
   if (wo[2] <= 0) return null
   const { wavelengths } = tables.spectrum
   const around = light.around(axes)
-  if (relief !== null) return reliefUnderEnvironment(relief, wo, wavelengths, around)
+  if (relief !== null) return yield* reliefUnderEnvironment(relief, wo, wavelengths, around)
   if (!grating?.optics) return null
   return gratingUnderEnvironment(grating.optics, wo, wavelengths, around)
 }

@@ -24,6 +24,7 @@ import { metalReflectance } from '../../web/spectrum/metal-reflectance'
 import { serveBakedMaps } from './baked-maps'
 import { loadedEnvironment, madeEnvironment, texelFile } from './environments'
 import { python } from './python'
+import { atOnce } from '../../web/steps'
 
 // Python starts for each, and sums up many tilts.
 vi.setConfig({ testTimeout: 300_000 })
@@ -270,7 +271,9 @@ xyz = environment_radiance(field, optics, wo, sky, light, frame=frame)`
       const light = lightOf(texture)
       const optics = await fieldOf(field, roughness)
       const found = POINTS.map(({ wo, axes }) =>
-        colourOf(reliefUnderEnvironment(optics, wo, spectrum.wavelengths, light.around(axes))),
+        colourOf(
+          atOnce(reliefUnderEnvironment(optics, wo, spectrum.wavelengths, light.around(axes))),
+        ),
       )
       const expected = await reference(texture, name, FIELD, [field, roughness])
       expect(rms(found, expected)).toBeLessThan(most)
@@ -279,7 +282,7 @@ xyz = environment_radiance(field, optics, wo, sky, light, frame=frame)`
 
   it.each(['bumps', 'fingers', 'roughness'])('has the powers of the series: %s', async (name) => {
     const { relief } = await fieldOf(name, 0)
-    const table = linePowers(relief)
+    const table = atOnce(linePowers(relief))
     const [across, along] = relief.lines
     for (const p of [0, 0.013, 0.7, 1.9, 3.33, 5.25]) {
       const power = relief.powers(p, 1)
@@ -524,7 +527,7 @@ describe('a foil’s bumps', () => {
         situation,
       )
       const partial = { ...optics, strength: 0.6 }
-      return [flashRadiance(partial).colour, environmentRadiance(partial, light).colour]
+      return [flashRadiance(partial).colour, atOnce(environmentRadiance(partial, light)).colour]
     }
     const found = await shown(lean, frame)
     expect(apart(found, await shown(flat, leaning(slope(172), slope(96))))).toBeLessThan(1e-6)

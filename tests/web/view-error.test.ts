@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest'
 import { pickPlaces } from '../../demo/compare/places'
 import { errorsOf } from '../../demo/compare/view-error'
 import type { Sample } from '../../demo/compare/view-samples'
-import { atOnce } from '../../web/steps'
+import { atOnce, type Steps } from '../../web/steps'
 
 type Colour = [number, number, number]
 
@@ -42,6 +42,13 @@ const places = pickPlaces(pictures)
 const samples: Sample[] = places.map((place) => ({ ...place, colours: drawnAt(pixelOf(place)) }))
 const truth = (sample: Sample): Colour => truthAt(pixelOf(sample))
 
+/** A spectrum is summed up in steps. */
+const inSteps = (colour: (sample: Sample) => Colour | null) =>
+  function* (sample: Sample): Steps<Colour | null> {
+    yield
+    return colour(sample)
+  }
+
 /** The error of all that the object covers. */
 const whole = [0, 1].map((way) => {
   const sum = (term: (pixel: number) => number): number =>
@@ -75,7 +82,7 @@ describe('places of a view', () => {
 
 describe('the error at places', () => {
   it('is that of the view', () => {
-    const found = atOnce(errorsOf(samples, truth, never))!
+    const found = atOnce(errorsOf(samples, inSteps(truth), never))!
     expect(Math.abs(found[0]! / whole[0]! - 1)).toBeLessThan(0.1)
     expect(Math.abs(found[1]! / whole[1]! - 1)).toBeLessThan(0.1)
   })
@@ -83,11 +90,19 @@ describe('the error at places', () => {
   it('leaves out what does not count', () => {
     const bright = (sample: Sample): Colour | null =>
       isHighlight(pixelOf(sample)) ? truth(sample) : null
-    expect(atOnce(errorsOf(samples, bright, never))![1]).toBeCloseTo(0.01, 6)
+    expect(atOnce(errorsOf(samples, inSteps(bright), never))![1]).toBeCloseTo(0.01, 6)
   })
 
   it('is none where hardly anything counts, or once the picture has changed', () => {
-    expect(atOnce(errorsOf(samples, () => null, never))).toBeNull()
-    expect(atOnce(errorsOf(samples, truth, () => true))).toBeNull()
+    expect(
+      atOnce(
+        errorsOf(
+          samples,
+          inSteps(() => null),
+          never,
+        ),
+      ),
+    ).toBeNull()
+    expect(atOnce(errorsOf(samples, inSteps(truth), () => true))).toBeNull()
   })
 })

@@ -1,3 +1,4 @@
+import type { Steps } from '../../../web/steps'
 import type { Relief } from './relief'
 
 /** The shortest visible wavelength, µm: no line is lit beyond 2/λ, and w/λ is no larger. */
@@ -6,6 +7,34 @@ const LONGEST = 2 / 0.38
 const STEPS = 64
 /** Lines are left out that together never take more than this share of the light. */
 const REST = 3e-4
+
+/** Lines that can be lit, |A|² of each at all steps, one line after the other, and the largest of each. */
+interface Sampled {
+  reachable: readonly [j: number, l: number][]
+  all: Float32Array
+  largest: Float64Array
+}
+
+function* sampled(relief: Relief): Steps<Sampled> {
+  const [across, along] = relief.lines
+  const reachable: [j: number, l: number][] = []
+  for (let j = -across; j <= across; j++)
+    for (let l = -along; l <= along; l++)
+      if (Math.hypot(...relief.frequency([j, l])) < LONGEST) reachable.push([j, l])
+  const samples = STEPS + 1
+  const all = new Float32Array(reachable.length * samples)
+  const largest = new Float64Array(reachable.length)
+  for (let step = 0; step < samples; step++) {
+    yield
+    const power = relief.powers((step * LONGEST) / STEPS, 1)
+    reachable.forEach((line, i) => {
+      const value = power(line)
+      all[i * samples + step] = value
+      largest[i] = Math.max(largest[i]!, value)
+    })
+  }
+  return { reachable, all, largest }
+}
 
 /** |A_jl|² of the lines that matter over w/λ, on which alone it depends: a table, made once of each relief. */
 export class LinePowers {
@@ -17,23 +46,8 @@ export class LinePowers {
   readonly largest: Float64Array
   readonly #powers: Float32Array
 
-  constructor(relief: Relief) {
-    const [across, along] = relief.lines
-    const reachable: [j: number, l: number][] = []
-    for (let j = -across; j <= across; j++)
-      for (let l = -along; l <= along; l++)
-        if (Math.hypot(...relief.frequency([j, l])) < LONGEST) reachable.push([j, l])
+  constructor(relief: Relief, { reachable, all, largest }: Sampled) {
     const samples = STEPS + 1
-    const all = new Float32Array(reachable.length * samples)
-    const largest = new Float64Array(reachable.length)
-    for (let step = 0; step < samples; step++) {
-      const power = relief.powers((step * LONGEST) / STEPS, 1)
-      reachable.forEach((line, i) => {
-        const value = power(line)
-        all[i * samples + step] = value
-        largest[i] = Math.max(largest[i]!, value)
-      })
-    }
     const order = Array.from(reachable.keys()).sort((a, b) => largest[b]! - largest[a]!)
     for (let rest = 0; order.length > 0; order.pop()) {
       rest += largest[order.at(-1)!]!
@@ -68,9 +82,10 @@ export class LinePowers {
 
 const known = new WeakMap<Relief, LinePowers>()
 
-/** The table of a relief. */
-export function linePowers(relief: Relief): LinePowers {
-  const powers = known.get(relief) ?? new LinePowers(relief)
-  known.set(relief, powers)
+/** The table of a relief; no step where it was made before. */
+export function* linePowers(relief: Relief): Steps<LinePowers> {
+  let powers = known.get(relief)
+  if (powers === undefined)
+    known.set(relief, (powers = new LinePowers(relief, yield* sampled(relief))))
   return powers
 }

@@ -1,3 +1,4 @@
+import type { Steps } from '../../../web/steps'
 import type { LocalEnvironment } from './environment-light'
 import { kirchhoffFactor } from './kirchhoff'
 import { linePowers } from './line-powers'
@@ -21,14 +22,14 @@ const EVEN = 33
  * @param environment - in the patch's axes
  * @returns for each wavelength the environment's linear sRGB times what the lines take, three numbers
  */
-export function reliefUnderEnvironment(
+export function* reliefUnderEnvironment(
   { relief, reflectance, roughness }: ReliefOptics,
   wo: Direction,
   wavelengths: readonly number[],
   environment: LocalEnvironment,
-): Float64Array {
+): Steps<Float64Array> {
   const tilted = new TiltedEnvironment(environment, wo, roughness, false)
-  const powers = linePowers(relief)
+  const powers = yield* linePowers(relief)
   const count = wavelengths.length
   const nanometre = wavelengths[1]! - wavelengths[0]!
   // What bands begin and end with; its running sum is what is seen.
@@ -36,6 +37,7 @@ export function reliefUnderEnvironment(
   const light = new Float64Array(3)
   const wi: [number, number, number] = [0, 0, 0]
   for (let line = 0; line < powers.count; line++) {
+    yield
     const [fx, fy] = [powers.fx[line]!, powers.fy[line]!]
     // cosθ_i² is a parabola over λ, A² − f² (λ − λ_0)². Order 0, f = 0, stays where it is.
     const f = Math.max(Math.hypot(fx, fy), 1e-9)
