@@ -368,7 +368,6 @@ print(json.dumps([0.8 * float(np.sum(f * size * v)) for v in (1, 1 + wi[..., 0])
   })
 
   it.each([
-    [0, 0.0087, 0.004],
     [0.01, 0.03, 0.02],
     [0.04, 0.03, 0.02],
     [0.09, 0.0087, 0.1],
@@ -392,18 +391,22 @@ up = np.cross(right, wi)
 places = wi + (r * np.cos(turn))[:, None] * right + (r * np.sin(turn))[:, None] * up
 places /= np.linalg.norm(places, axis=1, keepdims=True)
 print(json.dumps(0.8 * float(np.mean(lobe(places, np.array(wo), alpha, 1.55)))))`,
-      [wi, wo, Math.max(alpha, 0.0025), radius],
+      [wi, wo, alpha, radius],
     )) as number
     const found = coatHighlight({ ...coat, alpha }, wi, wo, radius)
     expect(found / expected).toBeCloseTo(1, 2)
   })
 
-  it('mirrors a lamp’s disc as it is where it is smooth', () => {
-    // Of a Gaussian disc wide against the lobe: Fresnel's share of its radiance, E/(2πα²) in the middle.
-    const found = coatHighlight(coat, [-0.6, 0, 0.8], wo, 0.05)
-    const disc = 1 / (2 * Math.PI * 0.05 ** 2)
-    expect(found / (0.8 * fresnel(0.8, 1.55) * disc)).toBeCloseTo(1, 1)
-  })
+  it.each([0, 0.03, 0.1])(
+    'mirrors a lamp’s disc as it is where it is smooth: %f rad beside',
+    (beside) => {
+      // Of a Gaussian disc: Fresnel's share of its radiance, E exp(−θ²/2α²)/(2πα²).
+      const θ = Math.acos(0.8) + beside
+      const found = coatHighlight(coat, [-Math.sin(θ), 0, Math.cos(θ)], wo, 0.05)
+      const disc = Math.exp(-((2 * Math.sin(beside / 2)) ** 2) / 0.005) / (2 * Math.PI * 0.05 ** 2)
+      expect(found / (0.8 * fresnel(0.8, 1.55) * disc)).toBeCloseTo(1, 6)
+    },
+  )
 })
 
 describe('irradiance', () => {
