@@ -1,8 +1,8 @@
 import type { RadiancePicture } from './radiance-picture'
 
 /** How many are picked, and in which steps they are gone through: any first part of them is spread over the view. */
-const COUNT = 192
-const STEP = 67
+const COUNT = 144
+const STEP = 55
 
 /** A place of the view, and how likely it was to be picked. */
 export interface Place {

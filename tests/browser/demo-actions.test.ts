@@ -75,13 +75,13 @@ describe('the error beside the picture', () => {
   })
 
   it('tells of a table that is wrong', async () => {
-    const { page } = await open('?scene=disc&environment=none', {
+    const { page } = await open('?scene=vase&environment=none&roughness=0.1', {
       ...SMALL,
       prepare: (page) => doubleLobes(page),
     })
-    // A whole too much, but for the lobes that are too wide for the table.
+    // A whole too much in the orders, not in the mirror's lobe: it is too wide for the table. 0.4 % with a sound one.
     const [own] = await percents(page)
-    expect(own).toBeGreaterThan(50)
+    expect(own).toBeGreaterThan(10)
     expect(own).toBeLessThan(110)
   })
 })
