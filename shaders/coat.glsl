@@ -15,14 +15,15 @@ float coatTransmittance(float cosTheta) {
 // Radiance (linear sRGB) that the lacquer throws from one light to the viewer. wi, wo, normal: unit vectors.
 // A rough lacquer has the lobe of GGX with the height-correlated Smith term (Heitz 2014). A smooth one shows the light itself:
 // of a Gaussian light of deviation r, F E exp(−|d|²/2r²)/(2π r²) with d from the light to the mirrored view. Where both spread
-// it, half vectors by alpha/√2 and r/2 along an axis, the highlight is of both shapes, by their shares of the variance. Below
-// alpha = 0.0025 a highlight is smaller than a pixel and its peak, 1/(π alpha²), nears the largest half float, 65504.
+// it, half vectors by alpha/√2 and r/2 along an axis, the highlight is of both shapes, by their shares of the variance
+// (docs/theory/lacquer.md). Below alpha = 0.0025 a highlight is smaller than a pixel and its peak, 1/(π alpha²), nears the
+// largest half float, 65504.
 vec3 coatRadianceFromLight(vec3 normal, vec3 wi, vec3 wo, LightSpectrum light) {
 	float cosI = dot(normal, wi);
 	float cosO = dot(normal, wo);
 	if (cosI <= 0.0 || cosO <= 0.0) return vec3(0.0);
 	vec3 h = normalize(wi + wo);
-	float cosH = clamp(dot(normal, h), 0.0, 1.0);
+	float cosH = dot(normal, h);
 	float alpha = uCoatRoughness * uCoatRoughness;
 	float disc2 = light.angularRadius * light.angularRadius;
 	float a2 = max(alpha * alpha + 0.5 * disc2, 6.25e-6);
@@ -33,9 +34,9 @@ vec3 coatRadianceFromLight(vec3 normal, vec3 wi, vec3 wo, LightSpectrum light) {
 	float distribution = a2 / (PI * denominator * denominator);
 	float smithI = cosO * sqrt(a2 + (1.0 - a2) * cosI * cosI);
 	float smithO = cosI * sqrt(a2 + (1.0 - a2) * cosO * cosO);
-	float lobe = fresnelDielectric(clamp(dot(wi, h), 0.0, 1.0), uCoatIor) * distribution * cosI * 0.5 / (smithI + smithO);
+	float lobe = fresnelDielectric(dot(wi, h), uCoatIor) * distribution * cosI * 0.5 / (smithI + smithO);
 	vec3 off = reflect(-wo, normal) - wi;
-	float image = fresnelDielectric(min(cosO, 1.0), uCoatIor) * exp(-0.25 * dot(off, off) / a2) / (4.0 * PI * a2);
+	float image = fresnelDielectric(cosO, uCoatIor) * exp(-0.25 * dot(off, off) / a2) / (4.0 * PI * a2);
 	return light.color * (uCoat * mix(lobe, image, 0.5 * disc2 / a2));
 }
 
