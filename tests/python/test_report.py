@@ -812,7 +812,9 @@ def test_the_table_of_a_flat_surface_is_held_to_bars_and_stands_for_no_other(
     table, nodes = ("closed-form", {}, 0.021, 2.1), ("closed-form", {"planar": False}, 0.03, 40)
     report = Report(backend="", threads=1, rows=rows_of(scene, table, nodes))
     bars = {bar.asked: bar for bar in all_bars(report, {})}
-    missed = [bar.value for name, bar in bars.items() if name.startswith("flat and 0.7 to 1° rough")]
+    missed = [
+        bar.value for name, bar in bars.items() if name.startswith("flat and 0.7 to 1° rough")
+    ]
     assert missed == [0.021, 2.1]
     assert not any(bar.is_met for name, bar in bars.items() if name.startswith("flat"))
     read = Report.model_validate_json(report.to_json())

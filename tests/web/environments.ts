@@ -12,7 +12,7 @@ export async function loadedEnvironment(name: string): Promise<DataTexture> {
   const module = await readFile(fileURLToPath(new URL(`${name}.exr.js`, root)), 'utf8')
   const bytes = Buffer.from(/base64,([^'"]*)/.exec(module)![1]!, 'base64')
   const { data, width, height } = new EXRLoader().parse(Uint8Array.from(bytes).buffer)
-  return new DataTexture(data as Uint16Array<ArrayBuffer>, width, height)
+  return new DataTexture(data, width, height)
 }
 
 /** An environment that is given by direction, linear sRGB. */
@@ -28,7 +28,10 @@ export function madeEnvironment(
       const azimuth = ((column + 0.5) / width - 0.5) * 2 * Math.PI
       const flat = Math.cos(rise)
       const rgb = radiance(flat * Math.cos(azimuth), Math.sin(rise), flat * Math.sin(azimuth))
-      data.set([...rgb, 1].map(DataUtils.toHalfFloat), 4 * (row * width + column))
+      data.set(
+        [...rgb, 1].map((value) => DataUtils.toHalfFloat(value)),
+        4 * (row * width + column),
+      )
     }
   return new DataTexture(data, width, height)
 }
