@@ -14,6 +14,10 @@ import { Loading } from './ui/loading'
 import { Tilt } from './view/tilt'
 import type { Viewer } from './view/viewer'
 
+/** What the error beside the picture is taken from. */
+export const ERROR_SOURCES = { view: 'Measured in this view', report: 'The report’s' } as const
+export type ErrorSource = keyof typeof ERROR_SOURCES
+
 /** What the page shows, and the ways in which it can be changed. */
 export class Demo {
   readonly flash = new Flash()
@@ -23,6 +27,7 @@ export class Demo {
   readonly banner = new Banner()
   readonly loading = new Loading()
   readonly designs = new Designs(this)
+  errorSource: ErrorSource = 'view'
   /** Called when values have changed by other ways than their controls. */
   onChanged: () => void = () => undefined
 

@@ -18,7 +18,8 @@ export class Facts {
   refresh(): void {
     const difference = this.demo.comparison.difference()
     this.#show(difference, null)
-    void this.demo.tell(this.#measure(difference, ++this.#pictures))
+    const picture = ++this.#pictures
+    if (this.demo.errorSource === 'view') void this.demo.tell(this.#measure(difference, picture))
   }
 
   async #measure(difference: number | null, picture: number): Promise<void> {

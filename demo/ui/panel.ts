@@ -1,6 +1,6 @@
 import { MathUtils } from 'three'
 import { Foil, Grating, HeightField } from '../../web'
-import type { Demo } from '../demo'
+import { ERROR_SOURCES, type Demo, type ErrorSource } from '../demo'
 import { adjust } from '../subjects/adjust'
 import { ENVIRONMENTS } from '../light/environments'
 import { bakedMethods, FIELDS, type FieldName } from '../subjects/fields'
@@ -235,6 +235,12 @@ export class Panel {
         get: () => String(demo.viewer.frames),
         set: (value) => {
           demo.viewer.frames = Number(value)
+        },
+      }),
+      this.#choice<ErrorSource>('error', 'Error beside the picture', ERROR_SOURCES, {
+        get: () => demo.errorSource,
+        set: (source) => {
+          demo.errorSource = source
         },
       }),
     ])

@@ -17,7 +17,7 @@ async function percents(page: Page): Promise<number[]> {
 
 describe('comparing', () => {
   it('shows both methods, which agree, and says how each is off and how they differ', async () => {
-    const { page, complaints } = await open('?scene=disc&environment=none', SMALL)
+    const { page, complaints } = await open('?scene=disc&environment=none&error=view', SMALL)
     const before = await picture(page)
     await page.getByRole('button', { name: 'Compare' }).click()
     await stirred(page)
@@ -58,7 +58,7 @@ describe('comparing', () => {
 
 describe('the error beside the picture', () => {
   it('is that of this view', async () => {
-    const { page, complaints } = await open('?scene=card&environment=warehouse', SMALL)
+    const { page, complaints } = await open('?scene=card&environment=warehouse&error=view', SMALL)
     await settle(page)
     const [own] = await percents(page)
     expect(await page.locator('#facts').innerText()).toMatch(
@@ -75,7 +75,7 @@ describe('the error beside the picture', () => {
   })
 
   it('tells of a table that is wrong', async () => {
-    const { page } = await open('?scene=vase&environment=none&roughness=0.1', {
+    const { page } = await open('?scene=vase&environment=none&roughness=0.1&error=view', {
       ...SMALL,
       prepare: (page) => doubleLobes(page),
     })
