@@ -33,6 +33,7 @@ afterAll(async () => {
   await rm(folder, { recursive: true })
 })
 
+/** Under a flash alone pages draw several times as fast. */
 async function design(
   query: string,
   width: number,
@@ -97,7 +98,7 @@ function typeErrors(file: string): string[] {
 
 describe('the design panel', () => {
   it('shows a foil of strewn shapes, and saves a map that the command and the library read', async () => {
-    const { page, complaints } = await design('', 820, 420)
+    const { page, complaints } = await design('?environment=none', 820, 420)
     const before = await picture(page)
     await makePolygons(page)
     expect(meanDifference(before, await picture(page))).toBeGreaterThan(0.3)
@@ -119,7 +120,7 @@ describe('the design panel', () => {
   })
 
   it('gives the foil on show periods by orientation, with code that compiles', async () => {
-    const { page, complaints } = await design('', 820, 420)
+    const { page, complaints } = await design('?environment=none', 820, 420)
     const before = await picture(page)
     await page.getByLabel('Periods by orientation').check()
     await page.getByLabel('Period at 0°').fill('0.9')
@@ -153,7 +154,7 @@ describe('the design panel', () => {
   })
 
   it('says beside a field what is wrong with it, and keeps the last good foil', async () => {
-    const { page } = await design('', 820, 420)
+    const { page } = await design('?environment=none', 820, 420)
     await makePolygons(page)
     const before = await picture(page)
     const refused = async (label: string, text: string, expected: RegExp): Promise<void> => {
@@ -180,7 +181,7 @@ describe('the design panel', () => {
   })
 
   it('makes the same foil of the same seed', async () => {
-    const { page } = await design('?scene=vase', 820, 420)
+    const { page } = await design('?scene=vase&environment=none', 820, 420)
     await makePolygons(page)
     const one = await savedFiles(page)
     await page.getByRole('button', { name: 'Another seed' }).click()
@@ -200,7 +201,7 @@ describe('the design panel', () => {
     'makes foils that a link holds, to the texel, on the %s',
     async (scene) => {
       const permissions = ['clipboard-read', 'clipboard-write']
-      const { page } = await design(`?scene=${scene}`, 1200, 420, { permissions })
+      const { page } = await design(`?scene=${scene}&environment=none`, 1200, 420, { permissions })
       const pattern = page.getByLabel('Pattern', { exact: true })
       const patterns = await pattern.locator('option').allInnerTexts()
       expect(patterns).not.toContain('Designed here')
@@ -223,7 +224,8 @@ describe('the design panel', () => {
           await page.locator('.design [role=status]', { hasText: 'On show' }).waitFor()
         },
       ]
-      for (const make of ways) {
+      // One way on the note: it differs in how often a tile repeats.
+      for (const make of scene === 'card' ? ways : ways.slice(1, 2)) {
         await make()
         const before = await picture(page)
         const files = await savedFiles(page)
@@ -296,7 +298,7 @@ Image.new("L", (9, 9), 20).save(folder / "dark.png")
 print(json.dumps(list(pictures)))`,
       folder,
     )) as string[]
-    const { page, complaints } = await design('', 820, 420, {
+    const { page, complaints } = await design('?environment=none', 820, 420, {
       permissions: ['clipboard-read', 'clipboard-write'],
     })
     await page.getByLabel('Texels a side', { exact: true }).fill('64')
@@ -354,7 +356,7 @@ print(json.dumps([off(kind) for kind in kinds]))`,
   })
 
   it('stops when it is told to, and when another pattern is chosen', async () => {
-    const { page, complaints } = await design('', 1200, 420)
+    const { page, complaints } = await design('?environment=none', 1200, 420)
     const before = await picture(page)
     const begin = async (): Promise<void> => {
       await page.getByLabel('Texels a side', { exact: true }).fill('1024')
