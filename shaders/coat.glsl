@@ -23,18 +23,16 @@ vec3 coatRadianceFromLight(vec3 normal, vec3 wi, vec3 wo, LightSpectrum light) {
 	float cosO = dot(normal, wo);
 	if (cosI <= 0.0 || cosO <= 0.0) return vec3(0.0);
 	vec3 h = normalize(wi + wo);
-	float cosH = dot(normal, h);
 	float alpha = uCoatRoughness * uCoatRoughness;
 	float disc2 = light.angularRadius * light.angularRadius;
 	float a2 = max(alpha * alpha + 0.5 * disc2, 6.25e-6);
-	// 1 − cos²(1 − a²) = sin² + a² cos², with sin² from a cross product: the difference of two numbers near 1
+	// 1 − cos²(1 − a²) = a² + sin²(1 − a²), with sin² from a cross product: the difference of two numbers near 1
 	// would cost a sharp highlight its digits.
 	vec3 nxh = cross(normal, h);
-	float denominator = dot(nxh, nxh) + a2 * cosH * cosH;
-	float distribution = a2 / (PI * denominator * denominator);
+	float denominator = a2 + (1.0 - a2) * dot(nxh, nxh);
 	float smithI = cosO * sqrt(a2 + (1.0 - a2) * cosI * cosI);
 	float smithO = cosI * sqrt(a2 + (1.0 - a2) * cosO * cosO);
-	float lobe = fresnelDielectric(dot(wi, h), uCoatIor) * distribution * cosI * 0.5 / (smithI + smithO);
+	float lobe = fresnelDielectric(dot(wi, h), uCoatIor) * a2 * cosI / (2.0 * PI * denominator * denominator * (smithI + smithO));
 	vec3 off = reflect(-wo, normal) - wi;
 	float image = fresnelDielectric(cosO, uCoatIor) * exp(-0.25 * dot(off, off) / a2) / (4.0 * PI * a2);
 	return light.color * (uCoat * mix(lobe, image, 0.5 * disc2 / a2));
