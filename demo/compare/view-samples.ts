@@ -73,10 +73,13 @@ export async function viewSamples(
           // The pixel's middle is the place.
           const [left, top] = [((1 + x) / 2) * columns - 0.5, ((1 - y) / 2) * rows - 0.5]
           viewer.camera.setViewOffset(columns, rows, left, top, 1, 1)
-          drawRefinementFrame(viewer.scene, { index, count: viewer.frames }, () => {
-            drawRadiance(viewer, target, way)
-          })
-          viewer.camera.clearViewOffset()
+          try {
+            drawRefinementFrame(viewer.scene, { index, count: viewer.frames }, () => {
+              drawRadiance(viewer, target, way)
+            })
+          } finally {
+            viewer.camera.clearViewOffset()
+          }
           yield
         }
   }
